@@ -1,0 +1,69 @@
+//! Puts sections together into a file's bytes.
+
+use alloc::vec::Vec;
+
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::light::LightRecord;
+use super::section::{ENTRY_BYTES, Entry, HEADER_BYTES, Header, REQUIRED, table_checksum};
+use super::stat::BakeStats;
+use super::{MAGIC, SECTION_ALIGNMENT, VERSION_MAJOR, VERSION_MINOR};
+
+/// Everything that a version 1.0 file holds.
+#[derive(Clone, Debug)]
+pub struct Contents<'a> {
+    /// One record per light.
+    pub lights: &'a [LightRecord],
+    /// Text that the records' names point into.
+    pub names: &'a str,
+    /// The shared node pool, words in host order: see [`super::dag8`].
+    pub pool: &'a [u32],
+    /// What was baked.
+    pub stats: BakeStats,
+}
+
+/// The file's bytes. The same contents give the same bytes on every machine.
+#[must_use]
+pub fn write(contents: &Contents<'_>) -> Vec<u8> {
+    let lights: Vec<LightRecord> = contents.lights.iter().map(|r| r.to_le()).collect();
+    let pool: Vec<u32> = contents.pool.iter().map(|w| w.to_le()).collect();
+    let stats = contents.stats.to_le();
+    assemble(&[
+        (*b"LGTS", REQUIRED, bytemuck::cast_slice(&lights)),
+        (*b"NAME", REQUIRED, contents.names.as_bytes()),
+        (*b"DAG8", REQUIRED, bytemuck::cast_slice(&pool)),
+        (*b"STAT", 0, bytemuck::bytes_of(&stats)),
+    ])
+}
+
+/// Header, table and sections, in the order given.
+pub(crate) fn assemble(sections: &[([u8; 4], u32, &[u8])]) -> Vec<u8> {
+    let table_end = HEADER_BYTES + sections.len() * ENTRY_BYTES;
+    let mut bytes = alloc::vec![0; table_end];
+    let mut table = Vec::with_capacity(sections.len() * ENTRY_BYTES);
+    for &(kind, flags, data) in sections {
+        bytes.resize(bytes.len().next_multiple_of(SECTION_ALIGNMENT), 0);
+        let entry = Entry {
+            kind,
+            flags: flags.to_le(),
+            offset: (bytes.len() as u64).to_le(),
+            size: (data.len() as u64).to_le(),
+            checksum: xxh3_64(data).to_le(),
+        };
+        table.extend_from_slice(bytemuck::bytes_of(&entry));
+        bytes.extend_from_slice(data);
+    }
+    let mut header = Header {
+        magic: MAGIC,
+        major: VERSION_MAJOR.to_le(),
+        minor: VERSION_MINOR.to_le(),
+        section_count: (sections.len() as u32).to_le(),
+        file_bytes: (bytes.len() as u64).to_le(),
+        table_checksum: 0,
+        zero: [0; 32],
+    };
+    header.table_checksum = table_checksum(&bytemuck::bytes_of(&header)[..24], &table).to_le();
+    bytes[..HEADER_BYTES].copy_from_slice(bytemuck::bytes_of(&header));
+    bytes[HEADER_BYTES..table_end].copy_from_slice(&table);
+    bytes
+}

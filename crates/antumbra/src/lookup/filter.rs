@@ -1,0 +1,90 @@
+//! Which taps a filtered lookup takes, and how they weigh.
+
+use crate::FilterError;
+
+/// Weights of a filter's taps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    /// All taps weigh the same.
+    Box,
+    /// Weights fall off linearly from the middle, along x and y separately (their product is a tap's weight).
+    Tent,
+}
+
+/// A square PCF filter of K x K texels, K odd, at one depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Filter {
+    taps: u32,
+    kernel: Kernel,
+}
+
+/// Most taps per side.
+pub const MAX_TAPS: u32 = 17;
+
+impl Filter {
+    /// One tap: the plain point lookup.
+    pub const POINT: Self = Self { taps: 1, kernel: Kernel::Box };
+
+    /// K x K taps of the given kernel.
+    ///
+    /// # Errors
+    /// [`FilterError`] unless `taps` is odd and at most 17.
+    pub fn new(taps: u32, kernel: Kernel) -> Result<Self, FilterError> {
+        if taps % 2 == 1 && taps <= MAX_TAPS { Ok(Self { taps, kernel }) } else { Err(FilterError { taps }) }
+    }
+
+    /// K x K taps of equal weight.
+    ///
+    /// # Errors
+    /// As [`Filter::new`].
+    pub fn new_box(taps: u32) -> Result<Self, FilterError> {
+        Self::new(taps, Kernel::Box)
+    }
+
+    /// K x K taps whose weights fall off linearly.
+    ///
+    /// # Errors
+    /// As [`Filter::new`].
+    pub fn tent(taps: u32) -> Result<Self, FilterError> {
+        Self::new(taps, Kernel::Tent)
+    }
+
+    /// Taps per side.
+    #[must_use]
+    pub fn taps(self) -> u32 {
+        self.taps
+    }
+
+    /// The weights' shape.
+    #[must_use]
+    pub fn kernel(self) -> Kernel {
+        self.kernel
+    }
+
+    /// Taps on either side of the middle one.
+    #[must_use]
+    pub fn radius(self) -> u32 {
+        self.taps / 2
+    }
+
+    /// Weight along one axis of the tap at a distance from the middle, in texels: 0 beyond the radius.
+    #[inline(always)]
+    #[must_use]
+    pub fn weight(self, distance: u32) -> u32 {
+        let radius = self.radius();
+        match self.kernel {
+            _ if distance > radius => 0,
+            Kernel::Box => 1,
+            Kernel::Tent => radius + 1 - distance,
+        }
+    }
+
+    /// Sum of the weights along one axis.
+    #[must_use]
+    pub fn axis_weight(self) -> u32 {
+        match self.kernel {
+            Kernel::Box => self.taps,
+            Kernel::Tent => (self.radius() + 1) * (self.radius() + 1),
+        }
+    }
+}

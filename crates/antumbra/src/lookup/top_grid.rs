@@ -1,0 +1,39 @@
+//! A small grid of references that stands for a light's top levels (Kämpe et al. 2015, section 4): made when a file is
+//! loaded, never stored.
+
+use alloc::vec::Vec;
+
+use super::point::descend;
+use crate::format::dag8::SLICE_LEVEL;
+
+/// log2 of the cells per side, where the light is large enough.
+const MAX_LOG2_CELLS: u32 = 5;
+
+/// References to the nodes at the level with min(32, N/8) nodes per side, x fastest, z slowest: 128 KiB at N >= 256.
+#[derive(Clone, Debug)]
+pub(crate) struct TopGrid {
+    cells: Vec<u32>,
+    log2_cells: u32,
+    /// log2 of the voxels per side of a cell's node.
+    pub level: u32,
+}
+
+impl TopGrid {
+    pub(crate) fn new(pool: &[u32], root: u32, log2_resolution: u32) -> Self {
+        let log2_cells = MAX_LOG2_CELLS.min(log2_resolution - SLICE_LEVEL);
+        let level = log2_resolution - log2_cells;
+        let side = 1u32 << log2_cells;
+        let cells = (0..side.pow(3))
+            .map(|i| [i % side, i / side % side, i / (side * side)].map(|c| c << level))
+            .map(|corner| descend(pool, root, log2_resolution, level, corner))
+            .collect();
+        Self { cells, log2_cells, level }
+    }
+
+    /// The node that holds a voxel of the light's volume.
+    #[inline(always)]
+    pub(crate) fn node(&self, [x, y, z]: [u32; 3]) -> u32 {
+        let (level, bits) = (self.level, self.log2_cells);
+        self.cells[((((z >> level) << bits) + (y >> level)) << bits) as usize + (x >> level) as usize]
+    }
+}
