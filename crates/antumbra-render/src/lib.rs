@@ -1,1 +1,7 @@
-//! Stand-in while the workspace is laid out.
+//! Antumbra's renderer.
+//!
+//! [`trace`] is world-space ray tracing, exact about what is hit: the ground truth that bakes are compared with.
+
+pub mod trace;
+
+pub use trace::{Hit, Ray, Source, Tracer, TriangleId};
