@@ -1,5 +1,14 @@
 //! Scenes for Antumbra: the model, files in and out, and procedural scenes.
 
+pub mod clean;
+mod error;
+mod exclude;
+mod gltf;
+mod images;
+mod load;
 pub mod model;
 
+pub use error::SceneError;
+pub use exclude::glob_matches;
+pub use load::{load, load_glb_slice};
 pub use model::*;

@@ -1,0 +1,125 @@
+//! Lights and cameras, from the nodes that carry them.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use glam::{DAffine3, DVec3};
+use rustc_hash::FxHashMap;
+
+use super::nodes::Placed;
+use super::schema::{self, Root, item};
+use crate::error::SceneError;
+use crate::model::{Camera, Light, LightKind};
+
+/// A spot's cone may not close completely: its projection needs a width.
+const MIN_OUTER_ANGLE: f64 = 1e-3;
+
+/// The lights of the placed nodes (KHR_lights_punctual), with unique names.
+pub(super) fn read_lights(root: &Root, placed: &[Placed<'_>]) -> Result<Vec<Light>, SceneError> {
+    let none = Vec::new();
+    let definitions = root.extensions.lights.as_ref().map_or(&none, |l| &l.lights);
+    let mut names = Names::default();
+    let mut lights = Vec::new();
+    for place in placed {
+        let Some(light) = &place.node.extensions.light else { continue };
+        let definition = item(definitions, light.light, "light")?;
+        let own_name = place.node.name.as_ref().or(definition.name.as_ref());
+        let name = names.unique(own_name.unwrap_or(&place.name));
+        lights.push(read_light(definition, name, &place.world_from_node)?);
+    }
+    Ok(lights)
+}
+
+fn read_light(light: &schema::Light, name: String, world_from_node: &DAffine3) -> Result<Light, SceneError> {
+    Ok(Light {
+        kind: read_kind(light)?,
+        name,
+        position_world: world_from_node.translation,
+        direction_world: unit_or(world_from_node.transform_vector3(DVec3::NEG_Z), DVec3::NEG_Z),
+        color: light.color.unwrap_or([1.0; 3]).map(|c| c.clamp(0.0, f32::MAX)),
+        intensity: light.intensity.unwrap_or(1.0).clamp(0.0, f32::MAX),
+        range_m: light.range.filter(|&r| r > 0.0 && r.is_finite()),
+    })
+}
+
+fn read_kind(light: &schema::Light) -> Result<LightKind, SceneError> {
+    match light.kind.as_str() {
+        "directional" => Ok(LightKind::Directional),
+        "point" => Ok(LightKind::Point),
+        "spot" => {
+            let (inner, outer) = light.spot.as_ref().map_or((None, None), |s| (s.inner_cone_angle, s.outer_cone_angle));
+            let outer_angle = outer.unwrap_or(FRAC_PI_4).clamp(MIN_OUTER_ANGLE, FRAC_PI_2);
+            Ok(LightKind::Spot { inner_angle: inner.unwrap_or(0.0).clamp(0.0, outer_angle), outer_angle })
+        }
+        other => Err(SceneError::format(format!("a light has the unknown type {other:?}"))),
+    }
+}
+
+/// The perspective cameras of the placed nodes, with unique names. Others have no counterpart in the model.
+pub(super) fn read_cameras(root: &Root, placed: &[Placed<'_>]) -> Result<Vec<Camera>, SceneError> {
+    let mut names = Names::default();
+    let mut cameras = Vec::new();
+    for place in placed {
+        let Some(index) = place.node.camera else { continue };
+        let camera = item(&root.cameras, index, "camera")?;
+        let Some(perspective) = &camera.perspective else { continue };
+        if !(perspective.yfov > 0.0 && perspective.yfov < PI) {
+            return Err(SceneError::format(format!("camera {index} has a field of view of {}", perspective.yfov)));
+        }
+        let own_name = place.node.name.as_ref().or(camera.name.as_ref());
+        let forward_world = unit_or(place.world_from_node.transform_vector3(DVec3::NEG_Z), DVec3::NEG_Z);
+        let up = place.world_from_node.transform_vector3(DVec3::Y);
+        cameras.push(Camera {
+            name: names.unique(own_name.unwrap_or(&place.name)),
+            eye_world: place.world_from_node.translation,
+            forward_world,
+            up_world: unit_or(up - forward_world * up.dot(forward_world), forward_world.any_orthonormal_vector()),
+            fov_y: perspective.yfov,
+        });
+    }
+    Ok(cameras)
+}
+
+/// Unit length, exactly so where it already was: a scene must survive being written and read again.
+fn unit_or(v: DVec3, fallback: DVec3) -> DVec3 {
+    if (v.length_squared() - 1.0).abs() < 1e-15 { v } else { v.try_normalize().unwrap_or(fallback) }
+}
+
+/// Makes names unique by adding `.2`, `.3`, ...
+#[derive(Default)]
+pub(crate) struct Names {
+    seen: FxHashMap<String, usize>,
+}
+
+impl Names {
+    /// The name itself the first time.
+    pub fn unique(&mut self, name: &str) -> String {
+        let count = self.seen.entry(name.to_owned()).or_insert(0);
+        *count += 1;
+        if *count == 1 {
+            return name.to_owned();
+        }
+        let mut number = *count;
+        loop {
+            let candidate = format!("{name}.{number}");
+            if !self.seen.contains_key(&candidate) {
+                self.seen.insert(candidate.clone(), 1);
+                self.seen.insert(name.to_owned(), number);
+                return candidate;
+            }
+            number += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_unique() {
+        let mut names = Names::default();
+        let given = ["lamp", "lamp", "lamp.2", "lamp", "sun", "lamp.2"];
+        let unique = given.map(|n| names.unique(n));
+        assert_eq!(unique, ["lamp", "lamp.2", "lamp.2.2", "lamp.3", "sun", "lamp.2.3"]);
+    }
+}

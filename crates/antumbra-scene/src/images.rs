@@ -1,0 +1,62 @@
+//! Decodes texture files: PNG, JPEG and WebP, recognised by their first bytes.
+
+use std::io::Cursor;
+
+use image::{ImageError, ImageReader, Limits};
+
+use crate::error::SceneError;
+use crate::model::Image;
+
+/// Pixels per side.
+const MAX_SIDE: u32 = 16384;
+/// Pixels over all images of a scene: 4 GiB.
+const MAX_PIXELS: u64 = 1 << 30;
+/// What a decoder may allocate for one image: the largest with 16 bits per channel.
+const MAX_ALLOCATION: u64 = 8 * (MAX_SIDE as u64) * (MAX_SIDE as u64);
+
+/// Images decoded so far, within the limits for a whole scene.
+#[derive(Default)]
+pub(crate) struct ImageStore {
+    pub images: Vec<Image>,
+    pixels: u64,
+}
+
+impl ImageStore {
+    /// Decodes an image and returns its index.
+    pub fn add(&mut self, name: String, bytes: &[u8]) -> Result<usize, SceneError> {
+        let (width, height) = reader(bytes).into_dimensions().map_err(|e| explain(&name, &e))?;
+        self.pixels += u64::from(width) * u64::from(height);
+        if self.pixels > MAX_PIXELS {
+            return Err(SceneError::limit(format!("its images have more than {MAX_PIXELS} pixels together")));
+        }
+        let decoded = reader(bytes).decode().map_err(|e| explain(&name, &e))?.into_rgba8();
+        let (width, height) = decoded.dimensions();
+        self.images.push(Image { name, width, height, rgba: decoded.into_raw() });
+        Ok(self.images.len() - 1)
+    }
+}
+
+fn reader(bytes: &[u8]) -> ImageReader<Cursor<&[u8]>> {
+    let mut reader = ImageReader::new(Cursor::new(bytes));
+    if let Ok(format) = image::guess_format(bytes) {
+        reader.set_format(format);
+    }
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_ALLOCATION);
+    reader.limits(limits);
+    reader
+}
+
+fn explain(name: &str, error: &ImageError) -> SceneError {
+    match error {
+        ImageError::Limits(_) => {
+            SceneError::limit(format!("its image {name:?} is larger than {MAX_SIDE} by {MAX_SIDE} pixels"))
+        }
+        ImageError::Unsupported(_) => SceneError::format(format!(
+            "its image {name:?} is of a kind that is not supported (PNG, JPEG and WebP are)"
+        )),
+        _ => SceneError::format(format!("its image {name:?} cannot be decoded ({error})")),
+    }
+}
