@@ -5,8 +5,9 @@ use std::path::Path;
 use crate::error::SceneError;
 use crate::gltf;
 use crate::model::Scene;
+use crate::obj;
 
-/// Reads a scene from a `.glb` or `.gltf` file.
+/// Reads a scene from a `.glb`, `.gltf` or `.obj` file.
 ///
 /// Files that it refers to are looked for in its folder. The scene is named after the file's stem. Triangles that cannot
 /// be used are counted in [`Scene::dropped`].
@@ -20,6 +21,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let bytes = || std::fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source });
     let scene = match extension.as_str() {
         "glb" | "gltf" => gltf::read(&bytes()?, &name, folder),
+        "obj" => obj::read(&bytes()?, &name, folder),
         _ => return Err(SceneError::UnknownFileType { path: path.to_owned() }),
     };
     scene.map_err(|e| e.in_file(&path.display().to_string()))

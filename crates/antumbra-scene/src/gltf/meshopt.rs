@@ -100,7 +100,7 @@ fn unpack_attributes(out: &mut [u8], stride: usize, input: &[u8]) -> Option<()> 
 
     let mut previous = first.to_vec();
     let mut reader = Reader { rest: body };
-    let block_elements = (MAX_BLOCK_BYTES / stride & !(GROUP - 1)).min(MAX_BLOCK_ELEMENTS);
+    let block_elements = ((MAX_BLOCK_BYTES / stride) & !(GROUP - 1)).min(MAX_BLOCK_ELEMENTS);
     for block in out.chunks_mut(block_elements * stride) {
         let controls = reader.take(channel_bytes)?;
         unpack_block(&mut reader, block, stride, controls, channels, &previous)?;

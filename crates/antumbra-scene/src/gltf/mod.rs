@@ -21,8 +21,6 @@ mod primitives;
 mod punctual;
 mod schema;
 mod source;
-#[cfg(test)]
-mod tests;
 
 use std::path::Path;
 
@@ -34,7 +32,6 @@ use self::source::Source;
 use crate::error::SceneError;
 use crate::model::{Node, Scene};
 
-pub(crate) use self::punctual::Names;
 pub(crate) use self::source::relative_path;
 
 /// Extensions that are understood, or that only refine looks which the model does not have.

@@ -67,16 +67,22 @@ pub(super) fn read_cameras(root: &Root, placed: &[Placed<'_>]) -> Result<Vec<Cam
         }
         let own_name = place.node.name.as_ref().or(camera.name.as_ref());
         let forward_world = unit_or(place.world_from_node.transform_vector3(DVec3::NEG_Z), DVec3::NEG_Z);
-        let up = place.world_from_node.transform_vector3(DVec3::Y);
         cameras.push(Camera {
             name: names.unique(own_name.unwrap_or(&place.name)),
             eye_world: place.world_from_node.translation,
             forward_world,
-            up_world: unit_or(up - forward_world * up.dot(forward_world), forward_world.any_orthonormal_vector()),
+            up_world: upright(place.world_from_node.transform_vector3(DVec3::Y), forward_world),
             fov_y: perspective.yfov,
         });
     }
     Ok(cameras)
+}
+
+/// The part of `up` at a right angle to `forward`, of unit length.
+fn upright(up: DVec3, forward: DVec3) -> DVec3 {
+    let lean = up.dot(forward);
+    let upright = if lean.abs() < 1e-15 { up } else { up - forward * lean };
+    unit_or(upright, forward.any_orthonormal_vector())
 }
 
 /// Unit length, exactly so where it already was: a scene must survive being written and read again.
@@ -86,13 +92,13 @@ fn unit_or(v: DVec3, fallback: DVec3) -> DVec3 {
 
 /// Makes names unique by adding `.2`, `.3`, ...
 #[derive(Default)]
-pub(crate) struct Names {
+struct Names {
     seen: FxHashMap<String, usize>,
 }
 
 impl Names {
     /// The name itself the first time.
-    pub fn unique(&mut self, name: &str) -> String {
+    fn unique(&mut self, name: &str) -> String {
         let count = self.seen.entry(name.to_owned()).or_insert(0);
         *count += 1;
         if *count == 1 {
