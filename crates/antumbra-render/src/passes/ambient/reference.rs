@@ -1,0 +1,100 @@
+//! Final gathering and its smoothing, on the CPU.
+
+use glam::{DVec2, Vec2, Vec3};
+use std::f32::consts::PI;
+
+use super::Gathered;
+use crate::{
+    camera::View,
+    passes::{World, shadow::SunVisibilities},
+    sampling,
+    surface::Surface,
+    trace::Ray,
+};
+
+/// Share of the open sky's light that a surface gets which a gathering ray has hit: further bounces, and occlusion
+/// that is not looked up.
+const SECOND_BOUNCE: f32 = 0.35;
+
+/// Gathers one row of pixels, through the pixels' middles.
+pub(crate) fn row(world: &World<'_>, shadows: &SunVisibilities<'_>, view: &View, y: u32, rays: u32) -> Vec<Gathered> {
+    (0..view.width).map(|x| pixel(world, shadows, view, [x, y], rays)).collect()
+}
+
+fn pixel(world: &World<'_>, shadows: &SunVisibilities<'_>, view: &View, [x, y]: [u32; 2], rays: u32) -> Gathered {
+    let ray = view.ray(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
+    let seen = |hit: &_| world.surfaces.is_seen(&world.tracer, hit, |_| 0.5);
+    let Some(hit) = world.tracer.closest_if(&ray, seen) else { return Gathered::default() };
+    let surface = world.surfaces.at(&world.tracer, &ray, &hit, 0.0);
+    let offset = sampling::pixel_offset(x, y);
+    let points = (0..rays).map(|i| (sampling::r2(i).as_vec2() + offset).fract());
+    Gathered {
+        position: (surface.position - view.eye).as_vec3(),
+        normal: surface.normal,
+        light: points.map(|p| incoming(world, shadows, &surface, p)).sum::<Vec3>() / rays as f32,
+        pixel_m: (surface.distance * view.pixel_size) as f32,
+    }
+}
+
+/// Radiance along one gathering ray.
+fn incoming(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface, point: Vec2) -> Vec3 {
+    let mut direction = sampling::cosine_direction(surface.normal, point);
+    // Where the smooth normal leans over, some directions would start into the triangle: mirror them out.
+    let below = direction.dot(surface.face_normal);
+    if below < 0.0 {
+        direction -= 2.0 * below * surface.face_normal;
+    }
+    let ray = world.leaving(surface.position, surface.face_normal, direction.as_dvec3());
+    let there = |hit: &_| world.surfaces.is_seen(&world.tracer, hit, |_| point.x);
+    match world.tracer.closest_if(&ray, there) {
+        Some(hit) => bounced(world, shadows, &world.surfaces.at(&world.tracer, &ray, &hit, wide(&ray, hit.t))),
+        None => world.sky.radiance(direction),
+    }
+}
+
+/// A gathering ray stands for a wide cone.
+fn wide(ray: &Ray, t: f64) -> f64 {
+    0.2 * t * ray.direction.length()
+}
+
+/// What a surface reflects of the sun and the sky, as seen by a gathering ray.
+fn bounced(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface) -> Vec3 {
+    let mut light = world.sky.ambient(surface.face_normal) * SECOND_BOUNCE;
+    for (sun, shadow) in world.suns.iter().zip(shadows) {
+        let cos = surface.face_normal.dot(sun.towards_world.as_vec3());
+        if cos > 0.0 {
+            let visible = shadow.visibility(surface.position, surface.face_normal.as_dvec3());
+            light += sun.irradiance * (cos * visible / PI);
+        }
+    }
+    surface.albedo * light + surface.emissive
+}
+
+/// One row of one smoothing step: an edge-avoiding blur whose taps lie `spacing` pixels apart. After Dammertz, Sewtz,
+/// Hanika and Lensch (2010), "Edge-Avoiding A-Trous Wavelet Transform for Fast Global Illumination Filtering"; edges
+/// are where the surface's plane ends, whatever the light does there.
+pub(crate) fn smooth_row(gathered: &[Gathered], width: u32, y: u32, spacing: u32) -> Vec<Gathered> {
+    let (width, step) = (i64::from(width), i64::from(spacing));
+    let height = gathered.len() as i64 / width;
+    let at = |x: i64, y: i64| (0..width).contains(&x) && (0..height).contains(&y);
+    let y = i64::from(y);
+    let smooth = |x: i64| {
+        let middle = gathered[(y * width + x) as usize];
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for (i, j) in (-2..=2).flat_map(|j| (-2..=2).map(move |i| (i, j))) {
+            let (tx, ty) = (x + i * step, y + j * step);
+            if at(tx, ty) {
+                let tap = gathered[(ty * width + tx) as usize];
+                let weight =
+                    SPLINE[(i + 2) as usize] * SPLINE[(j + 2) as usize] * tap.affinity(middle.position, middle.normal);
+                sum += tap.light * weight;
+                weights += weight;
+            }
+        }
+        Gathered { light: if weights > 0.0 { sum / weights } else { middle.light }, ..middle }
+    };
+    (0..width).map(smooth).collect()
+}
+
+/// The B3 spline.
+const SPLINE: [f32; 5] = [1.0, 4.0, 6.0, 4.0, 1.0];

@@ -1,0 +1,73 @@
+//! Tone mapping, on the CPU.
+//!
+//! The curve is Hill's (2017) fit of the Academy's reference and sRGB output transforms (ACES 1.0), from the BakingLab
+//! of Pettineo and Neubelt: deep shadows, colours that fade towards white as they get brighter.
+
+use glam::{Mat3, Vec3};
+use std::f32::consts::PI;
+
+use crate::{passes::World, surface::srgb_from_linear};
+
+/// From linear sRGB to the space of the curve, with the reference transform's desaturation, and back.
+const INTO: Mat3 =
+    Mat3::from_cols_array(&[0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777]);
+const BACK: Mat3 =
+    Mat3::from_cols_array(&[1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602]);
+
+/// Factor that exposes a picture: sunlit ground comes out light but not white. It follows from the lights alone, so that pictures of a scene
+/// with different shadows compare; only a picture that is dark all over (a room) is lifted.
+pub(crate) fn exposure(world: &World<'_>, radiance: &[Vec3]) -> f32 {
+    let from_suns: Vec3 =
+        world.suns.iter().map(|s| s.irradiance * (s.towards_world.y as f32).max(0.2)).sum::<Vec3>() / PI;
+    let white = luminance(from_suns + world.sky.overhead()).max(1e-6);
+    let exposure = 2.1 / white;
+    exposure * lift(radiance, exposure)
+}
+
+/// 1 unless the picture's typical pixel is dark, then up to 4.
+fn lift(radiance: &[Vec3], exposure: f32) -> f32 {
+    let log_sum: f64 = radiance.iter().map(|&c| f64::from((luminance(c) * exposure).clamp(1e-3, 10.0).ln())).sum();
+    let typical = (log_sum / radiance.len().max(1) as f64).exp() as f32;
+    (0.13 / typical).clamp(1.0, 4.0)
+}
+
+/// Rec. 709.
+fn luminance(color: Vec3) -> f32 {
+    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// One exposed linear color as sRGB bytes. `dither` is in 0..1 and differs from pixel to pixel: it spreads the
+/// rounding, so that clear skies show no steps.
+pub(crate) fn pixel(exposed: Vec3, dither: f32) -> [u8; 3] {
+    let display = filmic(exposed.max(Vec3::ZERO));
+    display.to_array().map(|c| (srgb_from_linear(c) * 255.0 + dither) as u8)
+}
+
+/// Linear light in, linear light on the screen out, both with 1 as white.
+fn filmic(color: Vec3) -> Vec3 {
+    // Beyond this the curve is flat, and squares of absurd lights would overflow.
+    let v = INTO * color.min(Vec3::splat(1e6));
+    let rise = v * (v + 0.024_578_6) - 0.000_090_537;
+    let fall = v * (0.983_729 * v + 0.432_951) + 0.238_081;
+    (BACK * (rise / fall)).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn black_is_black_white_is_white_and_grey_stays_grey() {
+        assert!(pixel(Vec3::ZERO, 0.5).iter().all(|&c| c <= 2));
+        assert!(pixel(Vec3::splat(50.0), 0.5).iter().all(|&c| c >= 250));
+        let grey = pixel(Vec3::splat(0.18), 0.5);
+        assert!(grey.iter().max().expect("3") - grey.iter().min().expect("3") <= 2, "{grey:?}");
+    }
+
+    #[test]
+    fn brighter_is_brighter() {
+        let tone = |i: i32| pixel(Vec3::splat((i as f32 * 0.25 - 9.0).exp2()), 0.5)[1];
+        assert!((1..50).all(|i| tone(i) >= tone(i - 1)));
+        assert!(tone(44) > tone(30) && tone(30) > tone(16));
+    }
+}

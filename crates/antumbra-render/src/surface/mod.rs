@@ -1,0 +1,7 @@
+//! What a surface looks like where a ray meets it: normals, colour, alpha.
+
+mod material;
+mod texture;
+
+pub(crate) use material::{Surface, Surfaces};
+pub(crate) use texture::srgb_from_linear;
