@@ -24,7 +24,7 @@ pub enum SceneError {
         path: PathBuf,
     },
     /// The bytes break the rules of their format.
-    #[error("{file}: {problem}; the file is damaged or not as its format wants it, so fetch or export it again")]
+    #[error("{file}: {problem} (the file is damaged or invalid: fetch or export it again)")]
     Format {
         /// The scene's file.
         file: String,

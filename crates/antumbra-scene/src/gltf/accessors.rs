@@ -174,6 +174,7 @@ impl<'s> Overlay<'s> {
         size: usize,
         index: usize,
     ) -> Result<Self, SceneError> {
+        source.spend(sparse.count)?;
         let component = Component::from_gl(sparse.indices.component_type, index)?;
         let places = &sparse.indices;
         let data = strided(source, places.buffer_view, places.byte_offset, sparse.count, component.size(), index)?;
@@ -196,13 +197,14 @@ impl<'s> Overlay<'s> {
     }
 }
 
-/// Components per element of an accessor's `type`. Matrices are never vertex attributes that a scene reads.
+/// Components per element of an accessor's `type`. The smaller matrices, which have padding, occur nowhere in a scene.
 fn width(shape: &str) -> Option<usize> {
     match shape {
         "SCALAR" => Some(1),
         "VEC2" => Some(2),
         "VEC3" => Some(3),
         "VEC4" => Some(4),
+        "MAT4" => Some(16),
         _ => None,
     }
 }

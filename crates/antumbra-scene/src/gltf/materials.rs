@@ -19,27 +19,32 @@ pub(super) fn read_materials(source: &Source<'_>) -> Result<(Vec<Material>, Vec<
 pub(super) fn texcoord_set(root: &Root, material: Option<usize>) -> Result<usize, SceneError> {
     let Some(index) = material else { return Ok(0) };
     let material = item(&root.materials, index, "material")?;
-    Ok(material
-        .pbr_metallic_roughness
-        .base_color_texture
-        .as_ref()
+    Ok(base_color_texture(material)
         .map_or(0, |info| info.extensions.transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(info.tex_coord)))
+}
+
+fn base_color_texture(material: &schema::Material) -> Option<&TextureInfo> {
+    match &material.extensions.specular_glossiness {
+        Some(old) => old.diffuse_texture.as_ref(),
+        None => material.pbr_metallic_roughness.base_color_texture.as_ref(),
+    }
 }
 
 fn read_material(material: &schema::Material, textures: &mut Textures<'_, '_>) -> Result<Material, SceneError> {
     let pbr = &material.pbr_metallic_roughness;
-    let base_color_texture = match &pbr.base_color_texture {
-        Some(info) => textures.texture(info)?,
-        None => None,
-    };
+    let old = material.extensions.specular_glossiness.as_ref();
+    let base_color_texture = base_color_texture(material).map(|info| textures.texture(info)).transpose()?.flatten();
+    let base_color = old.map_or(pbr.base_color_factor, |o| o.diffuse_factor).unwrap_or([1.0; 4]);
+    let metallic = if old.is_some() { 0.0 } else { pbr.metallic_factor.unwrap_or(1.0) };
+    let roughness = old.map_or(pbr.roughness_factor, |o| Some(1.0 - o.glossiness_factor.unwrap_or(1.0))).unwrap_or(1.0);
     let strength = material.extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength).unwrap_or(1.0);
     Ok(Material {
         name: material.name.clone().unwrap_or_default(),
-        base_color: pbr.base_color_factor.unwrap_or([1.0; 4]).map(|c| c.clamp(0.0, 1.0)),
+        base_color: base_color.map(|c| c.clamp(0.0, 1.0)),
         base_color_texture,
         emissive: material.emissive_factor.map(|c| (c * strength).clamp(0.0, f32::MAX)),
-        metallic: pbr.metallic_factor.unwrap_or(1.0).clamp(0.0, 1.0),
-        roughness: pbr.roughness_factor.unwrap_or(1.0).clamp(0.0, 1.0),
+        metallic: metallic.clamp(0.0, 1.0),
+        roughness: roughness.clamp(0.0, 1.0),
         alpha_mode: match material.alpha_mode.as_deref() {
             Some("MASK") => AlphaMode::Mask,
             Some("BLEND") => AlphaMode::Blend,

@@ -137,6 +137,16 @@ mod tests {
     }
 
     #[test]
+    fn colors() {
+        let mut bytes = [64, 127, 193, 255, 127, 0, 127, 255, 64, 129, 192, 192, 255, 0, 0, 128];
+        apply("COLOR", &mut bytes, 4).expect("known");
+        assert_eq!(bytes, [254, 1, 0, 255, 0, 254, 0, 255, 1, 0, 255, 128, 255, 255, 255, 0]);
+        let mut bytes = halfwords(&[0x4000, 0x7fff, 0xc001, 0xffff, 0x4000, 0x8001, 0xc000, 0xc000]);
+        apply("COLOR", &mut bytes, 8).expect("known");
+        assert_eq!(bytes, halfwords(&[0xfffe, 1, 0, 0xffff, 1, 0, 0xffff, 0x8000]));
+    }
+
+    #[test]
     fn hostile_values_do_not_panic() {
         for filter in ["OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR", "NONE"] {
             for fill in [0, 1, 0x7f, 0x80, 0xff] {

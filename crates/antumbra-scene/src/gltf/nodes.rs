@@ -12,6 +12,7 @@ const MAX_ELEMENT: f64 = 1e100;
 
 /// A node that the scene shows.
 pub(super) struct Placed<'a> {
+    pub index: usize,
     pub node: &'a schema::Node,
     pub name: String,
     pub world_from_node: DAffine3,
@@ -19,7 +20,7 @@ pub(super) struct Placed<'a> {
     pub dynamic: bool,
 }
 
-/// All nodes that the default scene shows, in the file's order.
+/// All nodes that the default scene shows, in the file's order (so by index). KHR_node_visibility hides whole branches.
 pub(super) fn place(root: &Root) -> Result<Vec<Placed<'_>>, SceneError> {
     let mut placed: Vec<Option<Placed<'_>>> = root.nodes.iter().map(|_| None).collect();
     let mut open: Vec<Visit> = scene_roots(root)?.into_iter().map(Visit::root).collect();
@@ -32,6 +33,9 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed<'_>>, SceneError> {
         if visit.depth > MAX_DEPTH {
             return Err(SceneError::limit(format!("its nodes are nested deeper than {MAX_DEPTH}")));
         }
+        if node.extensions.visibility.as_ref().is_some_and(|v| v.visible == Some(false)) {
+            continue;
+        }
         let world_from_node = compose(visit.world_from_parent, local_transform(node, visit.index)?, visit.index)?;
         let dynamic = visit.dynamic || is_dynamic(node);
         open.extend(node.children.iter().map(|&child| Visit {
@@ -41,7 +45,7 @@ pub(super) fn place(root: &Root) -> Result<Vec<Placed<'_>>, SceneError> {
             dynamic,
         }));
         let name = node.name.clone().unwrap_or_else(|| format!("node{}", visit.index));
-        *slot = Some(Placed { node, name, world_from_node, dynamic });
+        *slot = Some(Placed { index: visit.index, node, name, world_from_node, dynamic });
     }
     Ok(placed.into_iter().flatten().collect())
 }
@@ -82,18 +86,22 @@ fn is_dynamic(node: &schema::Node) -> bool {
 }
 
 fn local_transform(node: &schema::Node, index: usize) -> Result<DAffine3, SceneError> {
-    if let Some(m) = &node.matrix {
-        let column = |c: usize| DVec4::from_slice(&m[4 * c..4 * c + 4]);
-        let last_row = DVec4::new(m[3], m[7], m[11], m[15]);
-        // Exporters that invert matrices leave rounding behind.
-        if !last_row.abs_diff_eq(DVec4::W, 1e-4) {
-            return Err(SceneError::format(format!("the matrix of node {index} is not affine")));
-        }
-        let matrix3 = DMat3::from_cols(column(0).truncate(), column(1).truncate(), column(2).truncate());
-        return Ok(DAffine3 { matrix3, translation: column(3).truncate() });
+    match &node.matrix {
+        Some(matrix) => from_matrix(matrix, index),
+        None => from_trs(node.translation, node.rotation, node.scale)
+            .ok_or_else(|| SceneError::format(format!("the rotation of node {index} is no quaternion"))),
     }
-    from_trs(node.translation, node.rotation, node.scale)
-        .ok_or_else(|| SceneError::format(format!("the rotation of node {index} is no quaternion")))
+}
+
+/// A transform from glTF's 16 numbers, column by column; `index` is the node it is about.
+pub(super) fn from_matrix(m: &[f64; 16], index: usize) -> Result<DAffine3, SceneError> {
+    let column = |c: usize| DVec3::new(m[4 * c], m[4 * c + 1], m[4 * c + 2]);
+    let last_row = DVec4::new(m[3], m[7], m[11], m[15]);
+    // Exporters that invert matrices leave rounding behind.
+    if !last_row.abs_diff_eq(DVec4::W, 1e-4) {
+        return Err(SceneError::format(format!("the matrix of node {index} is not affine")));
+    }
+    Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
 }
 
 /// A transform from glTF's translation, rotation (xyzw) and scale; `None` where the rotation has no direction.

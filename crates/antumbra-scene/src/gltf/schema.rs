@@ -1,7 +1,7 @@
 //! The parts of a glTF 2.0 document that a scene needs, as they stand in its JSON.
 //!
 //! The document is read with types of its own rather than those of the `gltf` crate: transforms keep their `f64` digits,
-//! parts that a bake ignores (animations, skins, ...) cannot make a legal file fail, and nothing here indexes anything.
+//! parts that a bake ignores (animations, morph targets, ...) cannot make a legal file fail, and nothing here indexes anything.
 //! Every index is a bare number from outside; [`item`] is the only way to follow one.
 
 use std::collections::BTreeMap;
@@ -64,6 +64,7 @@ pub(super) struct Root {
     pub samplers: Vec<Sampler>,
     pub images: Vec<Image>,
     pub cameras: Vec<Camera>,
+    pub skins: Vec<Skin>,
     pub extensions: RootExtensions,
     pub extensions_required: Vec<String>,
 }
@@ -116,6 +117,7 @@ pub(super) struct Node {
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
     pub mesh: Option<usize>,
+    pub skin: Option<usize>,
     pub camera: Option<usize>,
     pub extensions: NodeExtensions,
     pub extras: serde_json::Value,
@@ -128,6 +130,21 @@ pub(super) struct NodeExtensions {
     pub light: Option<NodeLight>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Option<Visibility>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Visibility {
+    pub visible: Option<bool>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct Skin {
+    pub joints: Vec<usize>,
+    pub inverse_bind_matrices: Option<usize>,
 }
 
 #[derive(Deserialize)]
@@ -261,6 +278,17 @@ pub(super) struct MetallicRoughness {
 pub(super) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_emissive_strength")]
     pub emissive_strength: Option<EmissiveStrength>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub specular_glossiness: Option<SpecularGlossiness>,
+}
+
+/// The predecessor of metallic and roughness; such files have their alpha here.
+#[derive(Default, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct SpecularGlossiness {
+    pub diffuse_factor: Option<[f32; 4]>,
+    pub diffuse_texture: Option<TextureInfo>,
+    pub glossiness_factor: Option<f32>,
 }
 
 #[derive(Deserialize)]

@@ -99,7 +99,7 @@ impl<'a> Source<'a> {
 
     fn read_file(&self, uri: &str) -> Result<Vec<u8>, SceneError> {
         let folder = self.folder.ok_or_else(|| {
-            SceneError::format(format!("it refers to the file {uri:?}, but is not in a folder of its own"))
+            SceneError::format(format!("it refers to the file {uri:?}, but was read from memory and has no folder"))
         })?;
         let path = folder.join(relative_path(uri)?);
         std::fs::read(&path).map_err(|source| SceneError::Read { path, source })

@@ -174,9 +174,8 @@ fn required_extensions_are_named() {
 fn things_that_a_scene_ignores_may_be_of_any_shape() {
     let mut glb = Glb::triangle();
     glb.json["animations"] = json!([{ "channels": [{ "target": { "path": "pointer" } }] }]);
-    glb.json["skins"] = json!("none");
     glb.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 99 }]);
-    glb.json["nodes"][0]["skin"] = json!(12);
+    glb.json["nodes"][0]["weights"] = json!("heavy");
     assert_eq!(glb.load().triangle_count(), 1);
 }
 

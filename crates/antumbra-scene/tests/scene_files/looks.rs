@@ -66,6 +66,20 @@ fn materials() {
 }
 
 #[test]
+fn specular_glossiness_keeps_its_alpha() {
+    let mut glb = with_texture(json!({ "source": 0 }), json!({}));
+    let view = glb.view(&picture(ImageFormat::Png));
+    glb.json["images"][0]["bufferView"] = view.into();
+    glb.json["extensionsRequired"] = json!(["KHR_materials_pbrSpecularGlossiness"]);
+    glb.json["materials"][0] = json!({ "alphaMode": "MASK", "extensions": { "KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor": [0.5, 0.5, 0.5, 1], "glossinessFactor": 0.25, "diffuseTexture": { "index": 0 },
+    } } });
+    let material = &glb.load().materials[0];
+    assert_eq!((material.base_color[0], material.metallic, material.roughness), (0.5, 0.0, 0.75));
+    assert!(material.base_color_texture.is_some());
+}
+
+#[test]
 fn pictures_of_every_kind_from_a_view() {
     for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP] {
         let mut glb = with_texture(json!({ "source": 0 }), json!({ "name": "p" }));
@@ -161,10 +175,18 @@ fn data_uris_and_files_beside() {
 #[test]
 fn broken_and_huge_pictures_are_errors() {
     let mut glb = with_texture(json!({ "source": 0 }), json!({}));
-    let mut wide = Cursor::new(Vec::new());
-    RgbaImage::new(16385, 1).write_to(&mut wide, ImageFormat::Png).expect("encodes");
+    let wide = [ImageFormat::Png, ImageFormat::Jpeg].map(|format| {
+        let mut out = Cursor::new(Vec::new());
+        image::RgbImage::new(16385, 1).write_to(&mut out, format).expect("encodes");
+        out.into_inner()
+    });
     let cut = &picture(ImageFormat::Png)[..40];
-    for (bytes, part) in [(cut, "cannot be decoded"), (wide.get_ref(), "16384 by 16384"), (b"hello", "not supported")] {
+    for (bytes, part) in [
+        (cut, "cannot be decoded"),
+        (&wide[0], "16384 by 16384"),
+        (&wide[1], "16384 by 16384"),
+        (b"hello", "not supported"),
+    ] {
         let view = glb.view(bytes);
         glb.json["images"][0]["bufferView"] = view.into();
         let message = glb.error();

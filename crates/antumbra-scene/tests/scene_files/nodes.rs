@@ -4,7 +4,7 @@ use antumbra_scene::LightKind;
 use glam::{DQuat, DVec3};
 use serde_json::json;
 
-use crate::builder::Glb;
+use crate::builder::{FLOAT, Glb, float_bytes};
 
 fn close(a: DVec3, b: [f64; 3]) {
     assert!(a.abs_diff_eq(DVec3::from_array(b), 1e-12), "{a} {b:?}");
@@ -112,6 +112,34 @@ fn instances_become_nodes() {
     assert_eq!(scene.nodes.iter().map(|n| n.name.as_str()).collect::<Vec<_>>(), ["tree", "tree"]);
     close(scene.nodes[0].world_point([1.0, 0.0, 0.0]), [12.0, 0.0, 0.0]);
     close(scene.nodes[1].world_point([1.0, 0.0, 0.0]), [13.0, 2.0, 0.0]);
+}
+
+#[test]
+fn skinned_meshes_stand_where_their_joints_put_them() {
+    let mut glb = Glb::triangle();
+    let bind = [[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 1.0]];
+    let bind = glb.accessor(&float_bytes(&bind), FLOAT, 1, "MAT4");
+    glb.json["skins"] = json!([{ "joints": [1], "inverseBindMatrices": bind }]);
+    glb.json["nodes"] = json!([
+        { "mesh": 0, "skin": 0, "translation": [1000, 0, 0] },
+        { "translation": [0, 3, 0], "scale": [2, 2, 2] },
+    ]);
+    close(glb.load().nodes[0].world_point([1.0, 1.0, 0.0]), [2.0, 3.0, 0.0]);
+    glb.json["skins"] = json!([{ "joints": [] }]);
+    close(glb.load().nodes[0].world_point([0.0; 3]), [1000.0, 0.0, 0.0]);
+    glb.json["nodes"][0]["skin"] = 1.into();
+    assert!(glb.error().contains("skin 1"));
+}
+
+#[test]
+fn hidden_branches_do_not_show() {
+    let mut glb = Glb::triangle();
+    glb.json["nodes"] = json!([
+        { "children": [1], "extensions": { "KHR_node_visibility": { "visible": false } } },
+        { "mesh": 0 },
+        { "mesh": 0, "name": "shown", "extensions": { "KHR_node_visibility": {} } },
+    ]);
+    assert_eq!(glb.load().nodes.iter().map(|n| n.name.as_str()).collect::<Vec<_>>(), ["shown"]);
 }
 
 #[test]
