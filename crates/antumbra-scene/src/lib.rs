@@ -1,3 +1,4 @@
+//! Scenes for Antumbra: the model, files in and out, and procedural scenes.
 
 pub mod clean;
 mod error;
@@ -8,6 +9,7 @@ mod images;
 mod load;
 pub mod model;
 mod obj;
+pub mod procedural;
 
 pub use error::SceneError;
 pub use exclude::glob_matches;

@@ -1,0 +1,183 @@
+//! Every procedural scene is closed, sound, complete, and the same every time.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::{NAMES, Options, ProceduralError, build};
+use crate::model::{Mesh, Scene};
+
+type Corner = [u32; 3];
+
+fn corners(mesh: &Mesh) -> impl Iterator<Item = [[f32; 3]; 3]> + '_ {
+    mesh.primitives.iter().flat_map(|p| p.triangles.iter().map(|t| t.map(|i| p.positions[i as usize])))
+}
+
+/// Edges that are not used equally often in both directions.
+fn unbalanced_edges(mesh: &Mesh) -> usize {
+    let mut balance: HashMap<(Corner, Corner), i64> = HashMap::new();
+    for triangle in corners(mesh) {
+        let [a, b, c] = triangle.map(|p| p.map(f32::to_bits));
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *balance.entry((from.min(to), from.max(to))).or_default() += if from < to { 1 } else { -1 };
+        }
+    }
+    balance.values().filter(|&&count| count != 0).count()
+}
+
+/// Solids (triangles that hang together by exact position) that are inside out.
+fn inside_out_parts(mesh: &Mesh) -> usize {
+    let mut index_of: HashMap<Corner, usize> = HashMap::new();
+    let mut parent: Vec<usize> = Vec::new();
+    let mut rooted = Vec::new();
+    for triangle in corners(mesh) {
+        let ids = triangle.map(|p| {
+            *index_of.entry(p.map(f32::to_bits)).or_insert_with(|| {
+                parent.push(parent.len());
+                parent.len() - 1
+            })
+        });
+        let roots = ids.map(|i| root(&mut parent, i));
+        parent[roots[1]] = roots[0];
+        let third = root(&mut parent, roots[2]);
+        parent[third] = root(&mut parent, roots[0]);
+        rooted.push((ids[0], triangle));
+    }
+    let mut volumes = vec![0.0; parent.len()];
+    for (id, triangle) in rooted {
+        volumes[root(&mut parent, id)] += volume_under(triangle);
+    }
+    (0..parent.len()).filter(|&i| root(&mut parent, i) == i && volumes[i] <= 0.0).count()
+}
+
+fn root(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}
+
+fn volume_under(triangle: [[f32; 3]; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|p| DVec3::from_array(p.map(f64::from)));
+    a.dot(b.cross(c)) / 6.0
+}
+
+fn zero_areas(mesh: &Mesh) -> usize {
+    let area = |triangle: [[f32; 3]; 3]| {
+        let [a, b, c] = triangle.map(|p| DVec3::from_array(p.map(f64::from)));
+        (b - a).cross(c - a).length()
+    };
+    corners(mesh).filter(|&t| area(t) < 1e-9).count()
+}
+
+fn check_sound(scene: &Scene) {
+    assert!(!scene.nodes.is_empty());
+    for mesh in &scene.meshes {
+        assert_eq!(unbalanced_edges(mesh), 0, "`{}` is open", mesh.name);
+        assert_eq!(inside_out_parts(mesh), 0, "`{}` has inside-out parts", mesh.name);
+        assert_eq!(zero_areas(mesh), 0, "`{}` has triangles without area", mesh.name);
+        for primitive in &mesh.primitives {
+            let count = primitive.positions.len();
+            assert!(primitive.triangles.iter().flatten().all(|&i| (i as usize) < count));
+            assert!(primitive.positions.iter().flatten().all(|v| v.is_finite()));
+            assert!(primitive.normals.is_empty() || primitive.normals.len() == count);
+            assert!(primitive.material.is_some_and(|m| m < scene.materials.len()));
+        }
+    }
+    for node in &scene.nodes {
+        assert!(node.mesh < scene.meshes.len());
+        assert!(!node.mirrors());
+    }
+}
+
+/// FNV-1a over everything that makes up the geometry.
+fn fingerprint(scene: &Scene) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut eat = |bits: u64| hash = (hash ^ bits).wrapping_mul(0x0100_0000_01b3);
+    for mesh in &scene.meshes {
+        for p in &mesh.primitives {
+            p.positions.iter().flatten().for_each(|v| eat(v.to_bits().into()));
+            p.normals.iter().flatten().for_each(|v| eat(v.to_bits().into()));
+            p.triangles.iter().flatten().for_each(|&i| eat(i.into()));
+        }
+    }
+    for node in &scene.nodes {
+        node.world_from_mesh.to_cols_array().iter().for_each(|v| eat(v.to_bits()));
+    }
+    hash
+}
+
+fn scene(name: &str, seed: u64, scale: f64) -> Scene {
+    build(name, &Options { seed, scale }).expect("a scene of the table")
+}
+
+#[test]
+fn every_node_is_closed_and_sound() {
+    for &(name, _) in NAMES {
+        for (seed, scale) in [(1, 0.05), (2, 0.1), (3, 0.25), (4, 0.33), (5, 0.5)] {
+            check_sound(&scene(name, seed, scale));
+        }
+    }
+}
+
+#[test]
+fn whole_size_scenes_are_sound_and_of_the_promised_size() {
+    for (name, lowest, highest) in [("city", 900_000, 1_200_000), ("landscape", 1_900_000, 2_100_000)] {
+        for seed in [1, 7, 12_345] {
+            let scene = scene(name, seed, 1.0);
+            let count = scene.triangle_count();
+            assert!((lowest..=highest).contains(&count), "{name} with seed {seed} has {count} triangles");
+            if seed != 7 {
+                check_sound(&scene);
+            }
+        }
+    }
+}
+
+#[test]
+fn small_scenes_are_small_but_not_empty() {
+    let triangles = scene("city", 1, 0.1).triangle_count();
+    assert!((1_000..60_000).contains(&triangles), "{triangles} triangles");
+    assert!(scene("landscape", 1, 0.05).triangle_count() < 10_000);
+}
+
+#[test]
+fn the_seed_decides() {
+    for &(name, _) in NAMES {
+        let first = fingerprint(&scene(name, 1, 0.3));
+        assert_eq!(first, fingerprint(&scene(name, 1, 0.3)), "{name}");
+        assert_ne!(first, fingerprint(&scene(name, 2, 0.3)), "{name}");
+    }
+}
+
+#[test]
+fn lights_and_cameras_are_there_and_well_formed() {
+    for &(name, _) in NAMES {
+        for scale in [0.05, 0.3, 1.0] {
+            let scene = scene(name, 1, scale);
+            assert_eq!(scene.lights[0].name, "sun");
+            assert!((scene.lights[0].direction_world.length() - 1.0).abs() < 1e-12);
+            assert_eq!(scene.cameras[0].name, "overview");
+            let mut names: Vec<_> = scene.cameras.iter().map(|c| &c.name).collect();
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), scene.cameras.len());
+            for camera in &scene.cameras {
+                assert!((camera.forward_world.length() - 1.0).abs() < 1e-12);
+                assert!((camera.up_world.length() - 1.0).abs() < 1e-12);
+                assert!(camera.forward_world.dot(camera.up_world).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_requests_are_refused_with_a_reason() {
+    let unknown = build("atlantis", &Options::default()).expect_err("no such scene");
+    assert!(unknown.to_string().contains("city"));
+    for scale in [0.0, -1.0, 0.01, 5.0, f64::NAN, f64::INFINITY] {
+        let error = build("city", &Options { scale, ..Options::default() }).expect_err("out of range");
+        assert!(matches!(error, ProceduralError::Scale { .. }));
+    }
+}
