@@ -1,1 +1,26 @@
-//! Stand-in while the workspace is laid out.
+//! Bakes a scene and its lights into Antumbra's shadow bytes.
+//!
+//! Data flows through the folders in this order: [`casters`] (which triangles cast, which bound solids) →
+//! [`light_space`] (a light's grid, and vertices on its fixed-point lattice) → [`columns`] (the builder) → [`dag`]
+//! (hash-consed nodes, canonical order, words) → bytes ([`antumbra::format`]). [`oracle`] answers the same questions
+//! slowly and exactly, and everything is tested against it.
+//!
+//! A light's shadow is a height field with slack: voxel (x, y, z) is lit iff z < t(x, y), and t may be anything from
+//! the ray's enter depth to its exit depth. Open geometry has enter = exit; the inside of a solid only widens the
+//! interval.
+//!
+//! Sources: Sintorn, Kämpe, Olsson, Assarsson 2014, *Compact precomputed voxelized shadows*; Kämpe, Sintorn, Assarsson
+//! 2015, *Fast, memory-efficient construction of voxelized shadows*.
+
+#![forbid(unsafe_code)]
+
+mod bake;
+pub mod casters;
+pub mod columns;
+pub mod dag;
+pub mod light_space;
+pub mod oracle;
+pub mod place;
+
+pub use bake::{BakeError, BakeOptions, Baked, LightReport, Progress, ResolutionRequest, Silent, bake};
+pub use casters::{Blend, Inverted};

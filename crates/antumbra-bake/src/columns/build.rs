@@ -1,0 +1,191 @@
+//! The recursion: tiles down, columns up, on many threads.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::column::{Run, merge, push_plane};
+use super::leaf::{LEAF_LOG2, LeafScratch};
+use super::settle::{Settled, settle};
+use super::tile::{Entry, Tile, TileFrame, root_entry};
+use super::triangle::BuildTriangle;
+use crate::dag::{Id, LIT, Tables};
+use crate::light_space::Resolution;
+
+/// One light's construction.
+pub struct Build<'a> {
+    /// The casters.
+    pub triangles: &'a [BuildTriangle],
+    /// The light's resolution.
+    pub resolution: Resolution,
+    /// Tables that this light shares with others.
+    pub tables: &'a Tables,
+    /// Bytes that the tables and the triangles' lists may take together.
+    pub memory_limit: u64,
+    /// Called with the share of the light's area that is done, 0 to 1.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+/// Why a construction ended early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BuildError {
+    /// The tables outgrew the limit.
+    #[error("the nodes outgrow the memory limit")]
+    MemoryLimit,
+}
+
+/// Tiles whose lists are longer than this share of all triangles are split over threads.
+const SPLIT_SHARE: usize = 256;
+/// Tiles of at least this share of the light's side (as a power of two) are split over threads.
+const SPLIT_LEVELS: u32 = 5;
+
+/// Builds a light's graph; returns its root. Runs on the current rayon pool; the root stands for the same graph
+/// whatever the number of threads.
+///
+/// # Errors
+/// [`BuildError::MemoryLimit`].
+pub fn build(build: &Build<'_>) -> Result<Id, BuildError> {
+    let resolution = build.resolution;
+    let root = Tile::root(resolution);
+    let entries: Vec<Entry> =
+        build.triangles.iter().enumerate().map(|(i, t)| root_entry(i as u32, t, resolution)).collect();
+    let shared = Shared {
+        build,
+        split_length: (entries.len() / SPLIT_SHARE).max(256),
+        split_log2: root.log2.saturating_sub(SPLIT_LEVELS).max(LEAF_LOG2 + 1),
+        stopped: AtomicBool::new(false),
+        done: AtomicU64::new(0),
+    };
+    let column = shared.tile(root, entries, resolution.texels());
+    if shared.stopped.load(Ordering::Relaxed) {
+        return Err(BuildError::MemoryLimit);
+    }
+    Ok(column.first().map_or(LIT, |run| run.node))
+}
+
+struct Shared<'a> {
+    build: &'a Build<'a>,
+    split_length: usize,
+    split_log2: u32,
+    stopped: AtomicBool,
+    /// Texels whose columns are done.
+    done: AtomicU64,
+}
+
+impl Shared<'_> {
+    /// The column of a tile, given its parent's list.
+    fn tile(&self, tile: Tile, mut entries: Vec<Entry>, clamp: u32) -> Vec<Run> {
+        let mut column = Vec::new();
+        match settle(&mut entries, 0, clamp) {
+            Settled::Lit => self.push_lit(&mut column, tile),
+            Settled::Plane { enter, exit } => self.push_plane(&mut column, tile, [enter, exit]),
+            Settled::Mixed { clamp } if self.is_split(tile, entries.len()) => {
+                let children: Vec<Vec<Run>> = (0..4)
+                    .into_par_iter()
+                    .map(|i| {
+                        let child = tile.child(i);
+                        self.tile(child, self.child_list(child, &entries), clamp)
+                    })
+                    .collect();
+                let blocks = self.build.resolution.texels() >> tile.log2;
+                merge([0, 1, 2, 3].map(|i| &children[i][..]), blocks, self.build.tables, &mut column);
+                return column;
+            }
+            Settled::Mixed { clamp } => {
+                let mut worker = Worker::new(self);
+                worker.entries = entries;
+                worker.mixed(tile, 0, clamp);
+                column = worker.runs;
+            }
+        }
+        self.report(tile);
+        column
+    }
+
+    fn is_split(&self, tile: Tile, list: usize) -> bool {
+        tile.log2 > self.split_log2 || (list > self.split_length && tile.log2 > LEAF_LOG2 + 2)
+    }
+
+    fn child_list(&self, child: Tile, entries: &[Entry]) -> Vec<Entry> {
+        let frame = TileFrame::new(child, self.build.resolution);
+        let triangles = self.build.triangles;
+        entries.iter().filter_map(|e| frame.classify(&triangles[e.triangle as usize], *e)).collect()
+    }
+
+    fn push_lit(&self, runs: &mut Vec<Run>, tile: Tile) {
+        let blocks = self.build.resolution.texels() >> tile.log2;
+        runs.push(Run { node: LIT, end_first: blocks, end_last: blocks });
+    }
+
+    fn push_plane(&self, runs: &mut Vec<Run>, tile: Tile, span: [u32; 2]) {
+        push_plane(runs, self.build.tables, span, tile.log2, self.build.resolution.log2());
+    }
+
+    fn report(&self, tile: Tile) {
+        let texels = 1u64 << (2 * tile.log2);
+        let done = self.done.fetch_add(texels, Ordering::Relaxed) + texels;
+        let all = 1u64 << (2 * self.build.resolution.log2());
+        (self.build.progress)(done as f64 / all as f64);
+        if self.build.tables.bytes() > self.build.memory_limit {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Builds tiles one after the other. Lists and columns live on two stacks.
+struct Worker<'a> {
+    shared: &'a Shared<'a>,
+    entries: Vec<Entry>,
+    runs: Vec<Run>,
+    merged: Vec<Run>,
+    leaf: LeafScratch,
+}
+
+impl<'a> Worker<'a> {
+    fn new(shared: &'a Shared<'a>) -> Self {
+        Self { shared, entries: Vec::new(), runs: Vec::new(), merged: Vec::new(), leaf: LeafScratch::default() }
+    }
+
+    /// Appends the column of a tile whose texels differ; its list is `entries` from `start`.
+    fn mixed(&mut self, tile: Tile, start: usize, clamp: u32) {
+        let build = self.shared.build;
+        if tile.log2 == LEAF_LOG2 {
+            let list = &self.entries[start..];
+            let (triangles, tables) = (build.triangles, build.tables);
+            return self.leaf.push_column(triangles, list, tile, clamp, build.resolution, tables, &mut self.runs);
+        }
+        let base = self.runs.len();
+        let ends = [0, 1, 2, 3].map(|i| {
+            self.child(tile.child(i), start, clamp);
+            self.runs.len()
+        });
+        let columns = [base, ends[0], ends[1], ends[2]].map(|begin| &self.runs[begin..]);
+        let columns = [0, 1, 2, 3].map(|i| &columns[i][..ends[i] - if i == 0 { base } else { ends[i - 1] }]);
+        self.merged.clear();
+        merge(columns, build.resolution.texels() >> tile.log2, build.tables, &mut self.merged);
+        self.runs.truncate(base);
+        self.runs.extend_from_slice(&self.merged);
+    }
+
+    /// Appends the column of a tile whose parent's list is `entries` from `parent`.
+    fn child(&mut self, tile: Tile, parent: usize, clamp: u32) {
+        let build = self.shared.build;
+        let start = self.entries.len();
+        let frame = TileFrame::new(tile, build.resolution);
+        for i in parent..start {
+            let entry = self.entries[i];
+            if let Some(entry) = frame.classify(&build.triangles[entry.triangle as usize], entry) {
+                self.entries.push(entry);
+            }
+        }
+        match settle(&mut self.entries, start, clamp) {
+            Settled::Lit => self.shared.push_lit(&mut self.runs, tile),
+            Settled::Plane { enter, exit } => self.shared.push_plane(&mut self.runs, tile, [enter, exit]),
+            Settled::Mixed { .. } if self.shared.stopped.load(Ordering::Relaxed) => {
+                self.shared.push_lit(&mut self.runs, tile);
+            }
+            Settled::Mixed { clamp } => self.mixed(tile, start, clamp),
+        }
+        self.entries.truncate(start);
+    }
+}

@@ -1,0 +1,152 @@
+//! Triangles as the builder wants them: one cache line each.
+
+use crate::light_space::{LatticeTriangle, Resolution};
+
+/// A triangle with its plane in slices; counter-clockwise on the lattice.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct BuildTriangle {
+    pub(super) x: [i32; 3],
+    pub(super) y: [i32; 3],
+    pub(super) z: [u32; 3],
+    flags: u32,
+    /// Slices per lattice step along x and y; zero for an edge-on triangle.
+    pub(super) slope: [f64; 2],
+    /// Bound on the rounding error of a depth computed at a texel centre that the triangle covers, in slices.
+    error: f32,
+}
+
+const SOLID: u32 = 1;
+const FACES_LIGHT: u32 = 2;
+const EDGE_ON: u32 = 4;
+const SOLID_FACING: u32 = SOLID | FACES_LIGHT;
+
+impl BuildTriangle {
+    /// `None` for a triangle that can neither cover a texel nor bound a solid.
+    #[must_use]
+    pub fn new(t: &LatticeTriangle, resolution: Resolution) -> Option<Self> {
+        let area = t.doubled_area();
+        if area == 0 && !t.solid {
+            return None;
+        }
+        let mut flags = if t.solid { SOLID } else { 0 };
+        let mut corners = [0, 1, 2];
+        if area < 0 {
+            flags |= FACES_LIGHT;
+            corners.swap(1, 2);
+        } else if area == 0 {
+            flags |= EDGE_ON;
+        }
+        let mut triangle = Self {
+            x: corners.map(|i| t.x[i]),
+            y: corners.map(|i| t.y[i]),
+            z: corners.map(|i| t.z[i]),
+            flags,
+            slope: [0.0; 2],
+            error: 0.0,
+        };
+        if area != 0 {
+            triangle.set_plane(resolution);
+        }
+        Some(triangle)
+    }
+
+    fn set_plane(&mut self, resolution: Resolution) {
+        let (numerators, area) = self.gradient();
+        let slices_per_step = 1.0 / (1u64 << resolution.slice_shift()) as f64;
+        self.slope = numerators.map(|n| n as f64 / area as f64 * slices_per_step);
+        let reach = |c: [i32; 3]| f64::from(c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]));
+        let span = self.slope[0].abs() * reach(self.x) + self.slope[1].abs() * reach(self.y);
+        // A handful of roundings of terms no greater than the span, and of a sum no greater than 2^20.
+        self.error = (span * 2.0f64.powi(-49) + 2.0f64.powi(-30)) as f32;
+    }
+
+    /// Exact depth gradient on the lattice: numerators along x and y, and their common denominator, the doubled area.
+    fn gradient(&self) -> ([i64; 2], i64) {
+        let [x, y, z] = [self.x.map(i64::from), self.y.map(i64::from), self.z.map(i64::from)];
+        let [dx1, dy1, dz1] = [x[1] - x[0], y[1] - y[0], z[1] - z[0]];
+        let [dx2, dy2, dz2] = [x[2] - x[0], y[2] - y[0], z[2] - z[0]];
+        ([dz1 * dy2 - dz2 * dy1, dz2 * dx1 - dz1 * dx2], dx1 * dy2 - dx2 * dy1)
+    }
+
+    /// Whether it bounds a solid.
+    #[inline(always)]
+    pub(super) fn is_solid(&self) -> bool {
+        self.flags & SOLID != 0
+    }
+
+    /// Whether it is a line as the light sees it: it covers nothing, but may lie across a gap.
+    #[inline(always)]
+    pub(super) fn is_edge_on(&self) -> bool {
+        self.flags & EDGE_ON != 0
+    }
+
+    /// What a crossing adds to the winding number.
+    #[inline(always)]
+    pub(super) fn winding(&self) -> i32 {
+        match self.flags {
+            SOLID_FACING => 1,
+            SOLID => -1,
+            _ => 0,
+        }
+    }
+
+    /// Edge `i` as (normal x, normal y, corner): the edge function at p is the normal's dot product with p - corner.
+    #[inline(always)]
+    pub(super) fn edge(&self, i: usize) -> Edge {
+        let j = if i == 2 { 0 } else { i + 1 };
+        Edge {
+            normal: [i64::from(self.y[i] - self.y[j]), i64::from(self.x[j] - self.x[i])],
+            corner: [i64::from(self.x[i]), i64::from(self.y[i])],
+        }
+    }
+
+    /// Depth of the plane at a lattice point, in slices; exact but for rounding.
+    #[inline(always)]
+    pub(super) fn depth(&self, p: [f64; 2], slices_per_step: f64) -> f64 {
+        let x = p[0] - f64::from(self.x[0]);
+        let y = p[1] - f64::from(self.y[0]);
+        f64::from(self.z[0]) * slices_per_step + (x * self.slope[0] + y * self.slope[1])
+    }
+
+    /// The slice of a rounded depth at a texel centre that the triangle covers.
+    #[inline(always)]
+    pub(super) fn slice(&self, rounded: f64, p: [i64; 2], resolution: Resolution) -> u32 {
+        let error = f64::from(self.error);
+        let (low, high) = ((rounded - error).floor(), (rounded + error).floor());
+        if low == high && low >= 0.0 { low as u32 } else { self.exact_slice(p, resolution) }
+    }
+
+    /// The slice at a lattice point, in exact integers.
+    #[cold]
+    pub(super) fn exact_slice(&self, p: [i64; 2], resolution: Resolution) -> u32 {
+        let (numerators, area) = self.gradient();
+        let along = |n: i64, d: i64| i128::from(n) * i128::from(d);
+        let sum = along(numerators[0], p[0] - i64::from(self.x[0])) + along(numerators[1], p[1] - i64::from(self.y[0]));
+        let depth = i128::from(self.z[0]) + sum.div_euclid(i128::from(area));
+        (depth >> resolution.slice_shift()) as u32
+    }
+}
+
+/// A directed edge of a counter-clockwise triangle.
+#[derive(Clone, Copy)]
+pub(super) struct Edge {
+    pub normal: [i64; 2],
+    corner: [i64; 2],
+}
+
+impl Edge {
+    /// Edge function: positive to the left, where the triangle is. Fits: |normal|, |p - corner| <= 2^26.
+    #[inline(always)]
+    pub fn at(&self, p: [i64; 2]) -> i64 {
+        self.normal[0] * (p[0] - self.corner[0]) + self.normal[1] * (p[1] - self.corner[1])
+    }
+
+    /// Least edge function that counts as covered: a point on the edge is covered where moving it by (d, d^2), d > 0
+    /// infinitesimal, brings it inside, so that of two triangles that share an edge exactly one covers it.
+    #[inline(always)]
+    pub fn threshold(&self) -> i64 {
+        let inclusive = self.normal[0] > 0 || (self.normal[0] == 0 && self.normal[1] > 0);
+        i64::from(!inclusive)
+    }
+}

@@ -1,0 +1,10 @@
+//! The node graph: hash-consed while it is built, then numbered and encoded.
+//!
+//! Identical nodes never exist twice: a node is looked up by its children as it is made ("culling construction of
+//! identical nodes", Kämpe et al. 2015, section 3.2, without their adjacency test).
+
+mod encode;
+mod table;
+
+pub use encode::{Encoded, encode};
+pub use table::{Id, LIT, NodeTable, SHADOWED, Tables};

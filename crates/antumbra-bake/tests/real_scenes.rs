@@ -1,0 +1,50 @@
+//! The builder against the oracle on real scenes, where they are at hand, and on the procedural ones.
+
+mod common;
+
+use antumbra::Interior;
+use antumbra_scene::{Scene, procedural};
+use common::{bake_for_check, check_all, check_texels, options, shared_scenes, sun};
+
+/// Small generated scenes always; real ones where the folder is there.
+fn scenes() -> Vec<Scene> {
+    let small = |name, scale| procedural::build(name, &procedural::Options { seed: 3, scale }).unwrap();
+    let real = shared_scenes().into_iter().map(|path| antumbra_scene::load(&path).unwrap());
+    [small("city", 0.2), small("landscape", 0.1)].into_iter().chain(real).collect()
+}
+
+fn light(scene: &Scene) -> antumbra_scene::Light {
+    let own = scene.lights.iter().find(|l| l.kind == antumbra_scene::LightKind::Directional);
+    own.cloned().map_or_else(|| sun([0.4, -0.8, 0.3]), |l| antumbra_scene::Light { name: "sun".into(), ..l })
+}
+
+#[test]
+fn every_texel_at_512() {
+    for scene in scenes() {
+        for interior in [Interior::Open, Interior::Auto] {
+            let checked = bake_for_check(&scene, &light(&scene), &options(interior, 512, 0));
+            check_all(&checked).unwrap_or_else(|e| panic!("{} {interior:?}: {e}", scene.name));
+        }
+    }
+}
+
+#[test]
+fn every_texel_under_an_upright_sun() {
+    for scene in scenes() {
+        let checked = bake_for_check(&scene, &sun([0.0, -1.0, 0.0]), &options(Interior::Auto, 256, 0));
+        check_all(&checked).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    }
+}
+
+#[test]
+fn a_million_random_texels_at_16384() {
+    for scene in scenes() {
+        let checked = bake_for_check(&scene, &light(&scene), &options(Interior::Auto, 16384, 0));
+        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+        let texels = (0..1_000_000).map(move |_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            [(state >> 33) as u32 & 16383, (state >> 49) as u32 & 16383]
+        });
+        check_texels(&checked, texels).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    }
+}
