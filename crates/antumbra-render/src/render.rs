@@ -66,7 +66,7 @@ pub struct Renderer<'a> {
 }
 
 impl<'a> Renderer<'a> {
-    /// Prepares a scene: about half a second per million triangles.
+    /// Prepares a scene: about a second per million triangles.
     #[must_use]
     pub fn new(scene: &'a Scene) -> Self {
         Self { world: World::new(scene) }

@@ -12,6 +12,7 @@ pub(crate) mod tonemap;
 
 use antumbra_scene::Scene;
 use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
 
 use crate::{
     light::{Sky, Sun},
@@ -25,6 +26,8 @@ pub(crate) struct World<'a> {
     pub surfaces: Surfaces<'a>,
     pub suns: Vec<Sun>,
     pub sky: Sky,
+    /// What white ground in the open reflects of the suns and the sky; under a low sun it is tilted towards it.
+    pub outdoors: Vec3,
     /// Length of the scene's diagonal, metres.
     pub diagonal_m: f64,
 }
@@ -34,7 +37,9 @@ impl<'a> World<'a> {
         let tracer = Tracer::new(scene, |_, _| true);
         let suns = Sun::of_scene(scene);
         let sky = Sky::new(&suns[0]);
-        Self { diagonal_m: tracer.bounds().diagonal(), tracer, surfaces: Surfaces::new(scene), suns, sky }
+        let from_suns: Vec3 = suns.iter().map(|s| s.irradiance * (s.towards_world.y as f32).max(0.35)).sum();
+        let outdoors = from_suns / PI + sky.overhead();
+        Self { outdoors, diagonal_m: tracer.bounds().diagonal(), tracer, surfaces: Surfaces::new(scene), suns, sky }
     }
 
     /// A ray that leaves a surface. It starts a little off it: modelled surfaces lie on one another (decals, panes,

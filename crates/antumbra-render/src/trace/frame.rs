@@ -70,11 +70,13 @@ impl Frame {
 
     /// Clips a ray to the scene's box: `None` where they do not meet.
     pub(super) fn clip(&self, ray: &Ray) -> Option<Clipped> {
-        let length = ray.direction.length();
+        // Scaled first: the square of a very long or short direction would not fit.
+        let largest = ray.direction.abs().max_element();
+        let length = (ray.direction / largest).length() * largest;
         let units_per_t = length * self.units_per_metre;
         let direction = ray.direction / length;
         let origin = (ray.origin - self.center_world) * self.units_per_metre;
-        if !(origin.is_finite() && direction.is_finite() && units_per_t > 0.0) {
+        if !(origin.is_finite() && direction.is_finite() && units_per_t.is_finite()) {
             return None;
         }
         let (mut start, mut end) = (ray.t_min * units_per_t, ray.t_max * units_per_t);

@@ -252,6 +252,15 @@ fn nodes_and_materials_can_be_left_out() {
 }
 
 #[test]
+fn directions_of_any_length_will_do() {
+    let tracer = tracer(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]], DAffine3::IDENTITY);
+    for length in [1e-200, 1e-20, 1e20, 1e200] {
+        let hit = tracer.closest(&Ray::new(DVec3::new(0.2, 0.2, 1.0), -DVec3::Z * length)).expect("a hit");
+        assert!((hit.t * length - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn senseless_rays_hit_nothing() {
     let tracer = tracer(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]], DAffine3::IDENTITY);
     for bad in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {

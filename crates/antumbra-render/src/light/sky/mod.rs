@@ -66,6 +66,13 @@ impl Sky {
         horizon.lerp(self.plain, (-PLAIN_HAZE / -direction.y).exp())
     }
 
+    /// Radiance as a source of light for surfaces: paler than it looks, as a camera that is balanced for daylight
+    /// records shade.
+    #[must_use]
+    pub fn light(&self, direction: Vec3) -> Vec3 {
+        paler(self.radiance(direction), 0.35)
+    }
+
     /// Radiance with the sun's disc, for pictures of the sky itself.
     #[must_use]
     pub fn radiance_with_disc(&self, direction: Vec3) -> Vec3 {
@@ -102,7 +109,7 @@ impl Sky {
 
     fn mean_overhead(&self) -> Vec3 {
         let count = 1024;
-        (0..count).map(|i| self.lookup(cosine_direction(Vec3::Y, r2(i).as_vec2()))).sum::<Vec3>() / count as f32
+        (0..count).map(|i| self.light(cosine_direction(Vec3::Y, r2(i).as_vec2()))).sum::<Vec3>() / count as f32
     }
 }
 
@@ -112,6 +119,16 @@ pub(super) fn sun_transmittance(sun_y: f32) -> Vec3 {
     atmosphere::transmittance(atmosphere::VIEWER_HEIGHT, sun_y.max(LOWEST_SUN))
 }
 
+/// The sky's colour on a screen. The atmosphere is computed for three single wavelengths, which a screen's primaries
+/// are not: real skies are paler than that. They are brighter too, as far as there is ever a little thin cloud.
+fn perceived(radiance: Vec3) -> Vec3 {
+    paler(radiance, 0.25) * 1.2
+}
+
+fn paler(color: Vec3, amount: f32) -> Vec3 {
+    color.lerp(Vec3::splat(color.dot(Vec3::new(0.2126, 0.7152, 0.0722))), amount)
+}
+
 /// The whole sky for the sine of the sun's height: rows from the horizon up, packed towards the horizon.
 fn table(sun_y: f32) -> Vec<Vec3> {
     let atmosphere = Atmosphere::new(sun_y);
@@ -119,7 +136,7 @@ fn table(sun_y: f32) -> Vec<Vec3> {
         let azimuth = (i % COLUMNS) as f32 / (COLUMNS - 1) as f32 * PI;
         let height = ((i / COLUMNS) as f32 / (ROWS - 1) as f32).powi(2) * FRAC_PI_2;
         let (sin, cos) = height.sin_cos();
-        atmosphere.radiance(Vec3::new(cos * azimuth.cos(), sin, cos * azimuth.sin()))
+        perceived(atmosphere.radiance(Vec3::new(cos * azimuth.cos(), sin, cos * azimuth.sin())))
     };
     (0..COLUMNS * ROWS).map(texel).collect()
 }

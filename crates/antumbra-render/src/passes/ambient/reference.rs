@@ -9,12 +9,15 @@ use crate::{
     passes::{World, shadow::SunVisibilities},
     sampling,
     surface::Surface,
-    trace::Ray,
 };
 
-/// Share of the open sky's light that a surface gets which a gathering ray has hit: further bounces, and occlusion
-/// that is not looked up.
-const SECOND_BOUNCE: f32 = 0.35;
+/// Share of the light outdoors that a surface gets which a gathering ray has hit: the sky as far as it is seen from
+/// there, and further bounces. Nearby surfaces get less, for what is close to a corner is in the corner, too.
+const SECOND_BOUNCE: f32 = 0.15;
+/// Distance at which a surface gets half of that share, in diagonals of the scene.
+const NEARBY: f64 = 0.01;
+/// Width of the cone that a gathering ray stands for, per distance.
+const WIDTH: f64 = 0.2;
 
 /// Gathers one row of pixels, through the pixels' middles.
 pub(crate) fn row(world: &World<'_>, shadows: &SunVisibilities<'_>, view: &View, y: u32, rays: u32) -> Vec<Gathered> {
@@ -47,19 +50,17 @@ fn incoming(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface,
     let ray = world.leaving(surface.position, surface.face_normal, direction.as_dvec3());
     let there = |hit: &_| world.surfaces.is_seen(&world.tracer, hit, |_| point.x);
     match world.tracer.closest_if(&ray, there) {
-        Some(hit) => bounced(world, shadows, &world.surfaces.at(&world.tracer, &ray, &hit, wide(&ray, hit.t))),
-        None => world.sky.radiance(direction),
+        Some(hit) => {
+            let far = (hit.t / (hit.t + NEARBY * world.diagonal_m)) as f32;
+            bounced(world, shadows, &world.surfaces.at(&world.tracer, &ray, &hit, WIDTH * hit.t), far)
+        }
+        None => world.sky.light(direction),
     }
 }
 
-/// A gathering ray stands for a wide cone.
-fn wide(ray: &Ray, t: f64) -> f64 {
-    0.2 * t * ray.direction.length()
-}
-
-/// What a surface reflects of the sun and the sky, as seen by a gathering ray.
-fn bounced(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface) -> Vec3 {
-    let mut light = world.sky.ambient(surface.face_normal) * SECOND_BOUNCE;
+/// What a surface reflects of the sun and the sky, as seen by a gathering ray. `far` is 0 for nearby to 1.
+fn bounced(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface, far: f32) -> Vec3 {
+    let mut light = world.outdoors * (SECOND_BOUNCE * far);
     for (sun, shadow) in world.suns.iter().zip(shadows) {
         let cos = surface.face_normal.dot(sun.towards_world.as_vec3());
         if cos > 0.0 {

@@ -14,8 +14,8 @@ fn texel(world: &World<'_>, view: &View, x: u32, y: u32, sample: u32, samples: u
     // The same points in every pixel: edges stay straight.
     let within = sampling::r2(sample);
     let ray = view.ray(DVec2::new(f64::from(x), f64::from(y)) + within);
-    // Translucent layers are there or not, sample by sample: each layer (by its distance) gets its own numbers, and a
-    // pixel's samples share them out evenly.
+    // Translucent layers are there or not, sample by sample: each triangle gets its own numbers, and a pixel's
+    // samples share them out evenly.
     let unit = |hit: &crate::trace::Hit| {
         let layer = sampling::unit(x, y, hit.triangle.0);
         (layer + sample as f32 / samples as f32).fract()

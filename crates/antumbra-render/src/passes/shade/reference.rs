@@ -13,9 +13,12 @@ use crate::{
 /// Optical depth at which haze hides all but 2 % of a surface.
 const HIDDEN: f64 = 3.9;
 /// Haze hides what is this many diagonals of the scene away: enough to tell near from far.
-const VISIBLE_DIAGONALS: f64 = 12.0;
+const VISIBLE_DIAGONALS: f64 = 15.0;
 /// But never what is nearer than this, metres: rooms and squares are clear.
 const VISIBLE_AT_LEAST_M: f64 = 3000.0;
+
+/// Light of the haze relative to the horizon's: it does not reach all the way to the sky behind.
+const HAZE_LIGHT: f32 = 0.8;
 
 /// What a row is shaded from.
 pub(crate) struct Inputs<'a> {
@@ -37,7 +40,6 @@ pub(crate) fn row(world: &World<'_>, view: &View, y: u32, inputs: &Inputs<'_>) -
                 let ambient = ambient(world, view, inputs.gathered, [x as u32, y], surface);
                 hazy(world, texel, surface, lit(world, surface, shadows[x * samples + i], ambient))
             }
-            // A sun seen through a pixel's worst sample would be jagged: its light is limited like a lens limits it.
             None => world.sky.radiance_with_disc(texel.direction),
         };
         texels.iter().enumerate().map(shade).sum::<Vec3>() / samples as f32
@@ -132,5 +134,5 @@ fn hazy(world: &World<'_>, texel: &Texel, surface: &Surface, light: Vec3) -> Vec
     let visible_m = (world.diagonal_m * VISIBLE_DIAGONALS).max(VISIBLE_AT_LEAST_M);
     let clear = (-HIDDEN * surface.distance / visible_m).exp() as f32;
     let flat = Vec3::new(texel.direction.x, 0.0, texel.direction.z).try_normalize().unwrap_or(Vec3::X);
-    world.sky.radiance(flat).lerp(light, clear)
+    (world.sky.radiance(flat) * HAZE_LIGHT).lerp(light, clear)
 }

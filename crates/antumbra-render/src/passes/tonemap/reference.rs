@@ -4,7 +4,6 @@
 //! of Pettineo and Neubelt: deep shadows, colours that fade towards white as they get brighter.
 
 use glam::{Mat3, Vec3};
-use std::f32::consts::PI;
 
 use crate::{passes::World, surface::srgb_from_linear};
 
@@ -14,21 +13,22 @@ const INTO: Mat3 =
 const BACK: Mat3 =
     Mat3::from_cols_array(&[1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602]);
 
-/// Factor that exposes a picture: sunlit ground comes out light but not white. It follows from the lights alone, so that pictures of a scene
-/// with different shadows compare; only a picture that is dark all over (a room) is lifted.
+/// Contrast about middle grey, before the curve's own.
+const CONTRAST: f32 = 0.93;
+
+/// Factor that exposes a picture: sunlit ground comes out light but not white. It follows from the lights alone, so
+/// that pictures of a scene with different shadows compare; only a picture that is dark all over (a room) is lifted.
 pub(crate) fn exposure(world: &World<'_>, radiance: &[Vec3]) -> f32 {
-    let from_suns: Vec3 =
-        world.suns.iter().map(|s| s.irradiance * (s.towards_world.y as f32).max(0.2)).sum::<Vec3>() / PI;
-    let white = luminance(from_suns + world.sky.overhead()).max(1e-6);
-    let exposure = 2.1 / white;
+    let white = luminance(world.outdoors).max(1e-6);
+    let exposure = 1.9 / white;
     exposure * lift(radiance, exposure)
 }
 
-/// 1 unless the picture's typical pixel is dark, then up to 4.
+/// 1 unless the picture's typical pixel is dark, then up to 8.
 fn lift(radiance: &[Vec3], exposure: f32) -> f32 {
     let log_sum: f64 = radiance.iter().map(|&c| f64::from((luminance(c) * exposure).clamp(1e-3, 10.0).ln())).sum();
     let typical = (log_sum / radiance.len().max(1) as f64).exp() as f32;
-    (0.13 / typical).clamp(1.0, 4.0)
+    (0.17 / typical).clamp(1.0, 8.0)
 }
 
 /// Rec. 709.
@@ -46,10 +46,17 @@ pub(crate) fn pixel(exposed: Vec3, dither: f32) -> [u8; 3] {
 /// Linear light in, linear light on the screen out, both with 1 as white.
 fn filmic(color: Vec3) -> Vec3 {
     // Beyond this the curve is flat, and squares of absurd lights would overflow.
-    let v = INTO * color.min(Vec3::splat(1e6));
+    let v = INTO * softened(color.min(Vec3::splat(1e6)));
     let rise = v * (v + 0.024_578_6) - 0.000_090_537;
     let fall = v * (0.983_729 * v + 0.432_951) + 0.238_081;
     (BACK * (rise / fall)).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+/// Less contrast about middle grey, for a low sun's shadows are deep: a clear day has six stops between them and its
+/// whites.
+fn softened(color: Vec3) -> Vec3 {
+    const GREY: f32 = 0.18;
+    color.map(|c| GREY * (c / GREY).powf(CONTRAST))
 }
 
 #[cfg(test)]
