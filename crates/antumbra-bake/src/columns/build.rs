@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::column::{Run, merge, push_plane};
-use super::leaf::{LEAF_LOG2, LeafScratch};
+use super::leaf::{LEAF_LOG2, Leaf, LeafScratch};
 use super::settle::{Settled, settle};
-use super::tile::{Entry, Tile, TileFrame, root_entry};
+use super::tile::{Entry, Split, Tile, root_entry};
 use super::triangle::BuildTriangle;
 use crate::dag::{Id, LIT, Tables};
 use crate::light_space::Resolution;
@@ -76,16 +76,15 @@ impl Shared<'_> {
     /// The column of a tile, given its parent's list.
     fn tile(&self, tile: Tile, mut entries: Vec<Entry>, clamp: u32) -> Vec<Run> {
         let mut column = Vec::new();
-        match settle(&mut entries, 0, clamp) {
+        match settle(&mut entries, tile.log2 == LEAF_LOG2, clamp) {
             Settled::Lit => self.push_lit(&mut column, tile),
             Settled::Plane { enter, exit } => self.push_plane(&mut column, tile, [enter, exit]),
             Settled::Mixed { clamp } if self.is_split(tile, entries.len()) => {
-                let children: Vec<Vec<Run>> = (0..4)
+                let lists = self.child_lists(tile, entries);
+                let children: Vec<Vec<Run>> = lists
                     .into_par_iter()
-                    .map(|i| {
-                        let child = tile.child(i);
-                        self.tile(child, self.child_list(child, &entries), clamp)
-                    })
+                    .enumerate()
+                    .map(|(i, list)| self.tile(tile.child(i as u32), list, clamp))
                     .collect();
                 let blocks = self.build.resolution.texels() >> tile.log2;
                 merge([0, 1, 2, 3].map(|i| &children[i][..]), blocks, self.build.tables, &mut column);
@@ -93,8 +92,7 @@ impl Shared<'_> {
             }
             Settled::Mixed { clamp } => {
                 let mut worker = Worker::new(self);
-                worker.entries = entries;
-                worker.mixed(tile, 0, clamp);
+                worker.mixed(tile, &entries, clamp);
                 column = worker.runs;
             }
         }
@@ -106,10 +104,10 @@ impl Shared<'_> {
         tile.log2 > self.split_log2 || (list > self.split_length && tile.log2 > LEAF_LOG2 + 2)
     }
 
-    fn child_list(&self, child: Tile, entries: &[Entry]) -> Vec<Entry> {
-        let frame = TileFrame::new(child, self.build.resolution);
-        let triangles = self.build.triangles;
-        entries.iter().filter_map(|e| frame.classify(&triangles[e.triangle as usize], *e)).collect()
+    fn child_lists(&self, tile: Tile, entries: Vec<Entry>) -> [Vec<Entry>; 4] {
+        let mut lists = [const { Vec::new() }; 4];
+        split(self.build, tile, &entries, &mut lists);
+        lists
     }
 
     fn push_lit(&self, runs: &mut Vec<Run>, tile: Tile) {
@@ -132,10 +130,18 @@ impl Shared<'_> {
     }
 }
 
-/// Builds tiles one after the other. Lists and columns live on two stacks.
+/// Appends to each child's list those of a tile's entries that touch it.
+fn split(build: &Build<'_>, tile: Tile, entries: &[Entry], lists: &mut [Vec<Entry>; 4]) {
+    let split = Split::new(tile, build.resolution);
+    for entry in entries {
+        split.classify(&build.triangles[entry.triangle as usize], *entry, |child, e| lists[child].push(e));
+    }
+}
+
+/// Builds tiles one after the other. Columns live on a stack, lists in one set per level.
 struct Worker<'a> {
     shared: &'a Shared<'a>,
-    entries: Vec<Entry>,
+    lists: Vec<[Vec<Entry>; 4]>,
     runs: Vec<Run>,
     merged: Vec<Run>,
     leaf: LeafScratch,
@@ -143,49 +149,45 @@ struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     fn new(shared: &'a Shared<'a>) -> Self {
-        Self { shared, entries: Vec::new(), runs: Vec::new(), merged: Vec::new(), leaf: LeafScratch::default() }
+        let lists = (0..=shared.build.resolution.log2()).map(|_| [const { Vec::new() }; 4]).collect();
+        Self { shared, lists, runs: Vec::new(), merged: Vec::new(), leaf: LeafScratch::default() }
     }
 
-    /// Appends the column of a tile whose texels differ; its list is `entries` from `start`.
-    fn mixed(&mut self, tile: Tile, start: usize, clamp: u32) {
+    /// Appends the column of a tile whose texels differ.
+    fn mixed(&mut self, tile: Tile, entries: &[Entry], clamp: u32) {
         let build = self.shared.build;
+        let Build { triangles, tables, resolution, .. } = *build;
         if tile.log2 == LEAF_LOG2 {
-            let list = &self.entries[start..];
-            let (triangles, tables) = (build.triangles, build.tables);
-            return self.leaf.push_column(triangles, list, tile, clamp, build.resolution, tables, &mut self.runs);
+            let leaf = Leaf { triangles, tables, resolution, tile, clamp };
+            return self.leaf.push_column(leaf, entries, &mut self.runs);
         }
+        let mut lists = std::mem::take(&mut self.lists[tile.log2 as usize]);
+        lists.iter_mut().for_each(Vec::clear);
+        split(build, tile, entries, &mut lists);
         let base = self.runs.len();
-        let ends = [0, 1, 2, 3].map(|i| {
-            self.child(tile.child(i), start, clamp);
-            self.runs.len()
-        });
-        let columns = [base, ends[0], ends[1], ends[2]].map(|begin| &self.runs[begin..]);
-        let columns = [0, 1, 2, 3].map(|i| &columns[i][..ends[i] - if i == 0 { base } else { ends[i - 1] }]);
+        let mut begins = [base; 5];
+        for (i, list) in lists.iter_mut().enumerate() {
+            self.child(tile.child(i as u32), list, clamp);
+            begins[i + 1] = self.runs.len();
+        }
+        self.lists[tile.log2 as usize] = lists;
+        let column = |i: usize| &self.runs[begins[i]..begins[i + 1]];
         self.merged.clear();
-        merge(columns, build.resolution.texels() >> tile.log2, build.tables, &mut self.merged);
+        let columns = [column(0), column(1), column(2), column(3)];
+        merge(columns, resolution.texels() >> tile.log2, tables, &mut self.merged);
         self.runs.truncate(base);
         self.runs.extend_from_slice(&self.merged);
     }
 
-    /// Appends the column of a tile whose parent's list is `entries` from `parent`.
-    fn child(&mut self, tile: Tile, parent: usize, clamp: u32) {
-        let build = self.shared.build;
-        let start = self.entries.len();
-        let frame = TileFrame::new(tile, build.resolution);
-        for i in parent..start {
-            let entry = self.entries[i];
-            if let Some(entry) = frame.classify(&build.triangles[entry.triangle as usize], entry) {
-                self.entries.push(entry);
-            }
-        }
-        match settle(&mut self.entries, start, clamp) {
+    /// Appends the column of a tile, given its list.
+    fn child(&mut self, tile: Tile, list: &mut Vec<Entry>, clamp: u32) {
+        match settle(list, tile.log2 == LEAF_LOG2, clamp) {
             Settled::Lit => self.shared.push_lit(&mut self.runs, tile),
             Settled::Plane { enter, exit } => self.shared.push_plane(&mut self.runs, tile, [enter, exit]),
             Settled::Mixed { .. } if self.shared.stopped.load(Ordering::Relaxed) => {
                 self.shared.push_lit(&mut self.runs, tile);
             }
-            Settled::Mixed { clamp } => self.mixed(tile, start, clamp),
+            Settled::Mixed { clamp } => self.mixed(tile, list, clamp),
         }
-        self.entries.truncate(start);
     }
 }

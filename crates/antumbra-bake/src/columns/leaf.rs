@@ -1,10 +1,12 @@
 //! Leaves: the exact interval of each of 8 x 8 rays, and the least number of masks that satisfies them.
 //!
 //! Kämpe et al. 2015, sections 3.3 and 3.4: enter and exit depths, and visibility masks by the closest exit. There the
-//! depths come from peeled depth maps; here from the triangles that touch the tile.
+//! depths come from peeled depth maps; here from the triangles that touch the tile. They are met in *clusters*, sets
+//! whose depth intervals overlap: clusters follow one another along every ray alike, so a cluster of one triangle is
+//! met by whole masks of rays, and only larger ones are sorted ray by ray.
 
 use super::column::{ColumnWriter, Run, multiples, roundest};
-use super::tile::{COVERS, Entry, Tile};
+use super::tile::{COVERS, ENTERS, EXITS, Entry, SOLID, Tile};
 use super::triangle::BuildTriangle;
 use crate::dag::{Id, LIT, SHADOWED, Tables};
 use crate::light_space::Resolution;
@@ -15,23 +17,6 @@ const TEXELS: usize = 64;
 /// First shadowed slice of a ray without casters.
 const NEVER: u32 = u32::MAX;
 
-/// A triangle's meeting with a ray.
-#[derive(Clone, Copy, Default)]
-struct Crossing {
-    slice: u32,
-    /// The slice of the triangle's deepest point over the texel's whole square.
-    deepest: u32,
-    winding: i32,
-}
-
-/// What solving a leaf needs, kept between leaves.
-#[derive(Default)]
-pub(super) struct LeafScratch {
-    /// Crossings of texel i: places i, 64 + i, 128 + i, ...
-    crossings: Vec<[Crossing; TEXELS]>,
-    transitions: Vec<Transition>,
-}
-
 /// Rays turn from lit to shadowed at any one slice from `first` to `last`; `lit` are the rays still lit behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Transition {
@@ -40,120 +25,226 @@ struct Transition {
     lit: u64,
 }
 
-/// First shadowed slice and first slice that must be shadowed, per ray.
-struct Intervals {
+/// A triangle of a cluster, as the rays that are not done meet it.
+struct Met {
+    covered: u64,
+    slices: [u32; TEXELS],
+    /// The slice of the plane's deepest point in the whole texel; only of triangles that rays enter through.
+    deepest: [u32; TEXELS],
+    winding: i32,
+}
+
+/// A ray's meeting with a triangle.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Crossing {
+    slice: u32,
+    /// See [`Met::deepest`]; else 0.
+    deepest: u32,
+    winding: i32,
+}
+
+/// What solving a leaf needs, kept between leaves.
+#[derive(Default)]
+pub(super) struct LeafScratch {
+    met: Vec<Met>,
+    crossings: Vec<Crossing>,
+    transitions: Vec<Transition>,
+}
+
+/// The rays of a leaf while clusters are met one after the other.
+struct Rays {
+    /// First shadowed slice.
     enter: [u32; TEXELS],
+    /// First slice that must be shadowed.
     exit: [u32; TEXELS],
+    /// First slice behind the entering surface's deepest point in the whole texel.
+    deepest: [u32; TEXELS],
+    winding: [i32; TEXELS],
+    /// Rays that have met nothing, and rays inside a solid that they met first. The others are done.
+    outside: u64,
+    inside: u64,
+}
+
+/// A leaf and its surroundings.
+#[derive(Clone, Copy)]
+pub(super) struct Leaf<'a> {
+    pub triangles: &'a [BuildTriangle],
+    pub tables: &'a Tables,
+    pub resolution: Resolution,
+    pub tile: Tile,
+    /// See [`super::settle`].
+    pub clamp: u32,
 }
 
 impl LeafScratch {
-    /// Appends the leaf's column of 8 x 8 x 8 blocks.
-    pub fn push_column(
-        &mut self,
-        triangles: &[BuildTriangle],
-        entries: &[Entry],
-        tile: Tile,
-        clamp: u32,
-        resolution: Resolution,
-        tables: &Tables,
-        runs: &mut Vec<Run>,
-    ) {
-        let intervals = self.solve(triangles, entries, tile, clamp, resolution);
-        self.stab(&intervals, resolution.texels());
-        push_blocks(&self.transitions, resolution.texels() >> LEAF_LOG2, tables, runs);
+    /// Appends the leaf's column of 8 x 8 x 8 blocks. `entries` are sorted by their first slices.
+    pub fn push_column(&mut self, leaf: Leaf<'_>, entries: &[Entry], runs: &mut Vec<Run>) {
+        let rays = self.solve(leaf, entries);
+        self.stab(&rays, leaf.resolution.texels());
+        push_blocks(&self.transitions, leaf.resolution.texels() >> LEAF_LOG2, leaf.tables, runs);
     }
 
-    /// Each ray's interval.
-    fn solve(
-        &mut self,
-        triangles: &[BuildTriangle],
-        entries: &[Entry],
-        tile: Tile,
-        clamp: u32,
-        resolution: Resolution,
-    ) -> Intervals {
-        let mut counts = [0u32; TEXELS];
-        self.crossings.resize(entries.len(), [Crossing::default(); TEXELS]);
-        for entry in entries {
-            let triangle = &triangles[entry.triangle as usize];
-            let covered = if entry.has(COVERS) { u64::MAX } else { coverage(triangle, tile, resolution) };
-            for_each_bit(covered, |texel| {
-                let place = counts[texel] as usize;
-                self.crossings[place][texel] = crossing(triangle, tile, texel, resolution);
-                counts[texel] += 1;
-            });
+    fn solve(&mut self, leaf: Leaf<'_>, entries: &[Entry]) -> Rays {
+        let mut rays = Rays::new();
+        let mut rest = entries;
+        while !rest.is_empty() && (rays.outside | rays.inside) != 0 {
+            let (cluster, later) = rest.split_at(cluster_length(rest));
+            match cluster {
+                [entry] => rays.meet_one(leaf, *entry),
+                _ => self.meet_many(&mut rays, leaf, cluster),
+            }
+            rest = later;
         }
-        let mut intervals = Intervals { enter: [NEVER; TEXELS], exit: [NEVER; TEXELS] };
-        for texel in 0..TEXELS {
-            if counts[texel] > 0 {
-                let (enter, exit) = self.interval(texel, counts[texel] as usize, clamp);
-                intervals.enter[texel] = enter;
-                intervals.exit[texel] = exit;
+        rays.finish(leaf.clamp);
+        rays
+    }
+
+    /// Meets triangles whose order differs from ray to ray.
+    fn meet_many(&mut self, rays: &mut Rays, leaf: Leaf<'_>, cluster: &[Entry]) {
+        self.met.clear();
+        let mut touched = 0;
+        for entry in cluster {
+            let triangle = &leaf.triangles[entry.triangle as usize];
+            let covered = leaf.coverage(triangle, *entry) & (rays.outside | rays.inside);
+            if covered != 0 {
+                touched |= covered;
+                self.met.push(Met::new(leaf, triangle, covered, rays.outside));
             }
         }
-        intervals
-    }
-
-    /// The interval of a ray with `count` crossings.
-    fn interval(&mut self, texel: usize, count: usize, clamp: u32) -> (u32, u32) {
-        self.sort(texel, count);
-        let crossings = &self.crossings[..count];
-        let first = crossings[0][texel].slice;
-        let enter = first + 1;
-        let exit = self.last_inside(texel, count).max(enter).min(clamp.max(enter));
-        // Where there is slack, leave the whole texel's lit surface lit: shadows without acne and without bias.
-        let surface = crossings.iter().map(|c| c[texel]).take_while(|c| c.slice == first);
-        let deepest = surface.filter(|c| c.winding > 0).map(|c| c.deepest + 1).max();
-        (deepest.filter(|d| (enter..=exit).contains(d)).unwrap_or(enter), exit)
-    }
-
-    /// The first slice behind which the ray is out of all solids. Within a slice entries come before exits, so
-    /// touching solids leave no slit.
-    fn last_inside(&self, texel: usize, count: usize) -> u32 {
-        let mut winding = 0;
-        for i in 0..count {
-            let crossing = self.crossings[i][texel];
-            winding += crossing.winding;
-            let slice_ends = i + 1 == count || self.crossings[i + 1][texel].slice != crossing.slice;
-            if slice_ends && winding <= 0 {
-                return crossing.slice;
+        for_each_bit(touched, |texel| {
+            self.crossings.clear();
+            let met = self.met.iter().filter(|m| (m.covered >> texel) & 1 != 0);
+            self.crossings.extend(met.map(|m| m.crossing(texel)));
+            self.crossings.sort_unstable();
+            for same_slice in self.crossings.chunk_by(|a, b| a.slice == b.slice) {
+                if (rays.outside | rays.inside) >> texel & 1 != 0 {
+                    rays.meet_slice(texel, same_slice);
+                }
             }
-        }
-        NEVER
-    }
-
-    /// Insertion sort: rays have few crossings, and lists come nearly sorted.
-    fn sort(&mut self, texel: usize, count: usize) {
-        for i in 1..count {
-            let moving = self.crossings[i][texel];
-            let mut place = i;
-            while place > 0 && self.crossings[place - 1][texel].slice > moving.slice {
-                self.crossings[place][texel] = self.crossings[place - 1][texel];
-                place -= 1;
-            }
-            self.crossings[place][texel] = moving;
-        }
+        });
     }
 
     /// Stabs the intervals greedily by the closest exit: the fewest transitions that satisfy every ray.
-    fn stab(&mut self, intervals: &Intervals, slices: u32) {
+    fn stab(&mut self, rays: &Rays, slices: u32) {
         self.transitions.clear();
         let mut lit = u64::MAX;
         loop {
             let mut last = NEVER;
-            for_each_bit(lit, |texel| last = last.min(intervals.exit[texel]));
+            for_each_bit(lit, |texel| last = last.min(rays.exit[texel]));
             if last >= slices {
                 return;
             }
             let (mut first, mut turning) = (0, 0u64);
             for_each_bit(lit, |texel| {
-                if intervals.enter[texel] <= last {
+                if rays.enter[texel] <= last {
                     turning |= 1 << texel;
-                    first = first.max(intervals.enter[texel]);
+                    first = first.max(rays.enter[texel]);
                 }
             });
             lit &= !turning;
             self.transitions.push(Transition { first, last, lit });
+        }
+    }
+}
+
+impl Met {
+    #[inline]
+    fn new(leaf: Leaf<'_>, triangle: &BuildTriangle, covered: u64, outside: u64) -> Self {
+        let first = leaf.first_center();
+        let slices = triangle.leaf_slices(first, covered, leaf.resolution);
+        let winding = triangle.winding();
+        let enters = winding > 0 && covered & outside != 0;
+        let deepest = if enters { triangle.leaf_deepest(first, leaf.resolution) } else { [0; TEXELS] };
+        Self { covered, slices, deepest, winding }
+    }
+
+    #[inline(always)]
+    fn crossing(&self, texel: usize) -> Crossing {
+        Crossing { slice: self.slices[texel], deepest: self.deepest[texel], winding: self.winding }
+    }
+}
+
+/// How many of the sorted entries have depth intervals that overlap, directly or through one another.
+fn cluster_length(sorted: &[Entry]) -> usize {
+    let mut last = sorted[0].last;
+    let mut length = 1;
+    while let Some(entry) = sorted.get(length).filter(|e| e.first <= last) {
+        last = last.max(entry.last);
+        length += 1;
+    }
+    length
+}
+
+impl Rays {
+    fn new() -> Self {
+        Self {
+            enter: [NEVER; TEXELS],
+            exit: [NEVER; TEXELS],
+            deepest: [0; TEXELS],
+            winding: [0; TEXELS],
+            outside: u64::MAX,
+            inside: 0,
+        }
+    }
+
+    /// Meets a triangle that lies alone in its depth interval.
+    fn meet_one(&mut self, leaf: Leaf<'_>, entry: Entry) {
+        let triangle = &leaf.triangles[entry.triangle as usize];
+        let mut covered = leaf.coverage(triangle, entry) & (self.outside | self.inside);
+        if self.outside & covered == 0 {
+            if !entry.has(SOLID) {
+                return;
+            }
+            // Only counts change, but where the last solid is left.
+            let delta = triangle.winding();
+            let mut leaving = 0;
+            for_each_bit(covered, |texel| {
+                self.winding[texel] += delta;
+                leaving |= u64::from(self.winding[texel] <= 0) << texel;
+            });
+            covered = leaving;
+            if covered == 0 {
+                return;
+            }
+            let slices = triangle.leaf_slices(leaf.first_center(), covered, leaf.resolution);
+            for_each_bit(covered, |texel| self.exit[texel] = slices[texel].max(self.enter[texel]));
+            self.inside &= !covered;
+            return;
+        }
+        let met = Met::new(leaf, triangle, covered, self.outside);
+        for_each_bit(covered, |texel| self.meet_slice(texel, &[met.crossing(texel)]));
+    }
+
+    /// Meets all that a ray meets within one slice. Within a slice entries come before exits, so touching solids leave
+    /// no slit: only the sum counts.
+    #[inline]
+    fn meet_slice(&mut self, texel: usize, crossings: &[Crossing]) {
+        let slice = crossings[0].slice;
+        let bit = 1 << texel;
+        let winding = &mut self.winding[texel];
+        *winding += crossings.iter().map(|c| c.winding).sum::<i32>();
+        if self.outside & bit != 0 {
+            self.outside &= !bit;
+            self.inside |= bit;
+            self.enter[texel] = slice + 1;
+            self.deepest[texel] = crossings.iter().map(|c| c.deepest).max().map_or(0, |d| d.saturating_add(1));
+        }
+        if *winding <= 0 {
+            self.inside &= !bit;
+            self.exit[texel] = slice.max(self.enter[texel]);
+        }
+    }
+
+    /// Rays still inside a solid leave it no earlier than at the clamp; and where there is slack, the whole texel's lit
+    /// surface is left lit: shadows without acne and without bias.
+    fn finish(&mut self, clamp: u32) {
+        for texel in 0..TEXELS {
+            let enter = self.enter[texel];
+            let exit = self.exit[texel].min(clamp.max(enter));
+            self.exit[texel] = exit;
+            if (enter..=exit).contains(&self.deepest[texel]) {
+                self.enter[texel] = self.deepest[texel];
+            }
         }
     }
 }
@@ -166,36 +257,49 @@ fn for_each_bit(mut bits: u64, mut each: impl FnMut(usize)) {
     }
 }
 
-/// Bit 8*y + x is set where the triangle covers the texel's centre.
-fn coverage(triangle: &BuildTriangle, tile: Tile, resolution: Resolution) -> u64 {
-    let steps = resolution.texel_steps();
-    let first = [tile.x, tile.y].map(|c| resolution.texel_center(c));
-    let edges = [0, 1, 2].map(|i| {
-        let edge = triangle.edge(i);
-        (edge.at(first) - edge.threshold(), edge.normal.map(|n| n * steps))
-    });
-    let mut covered = 0;
-    for y in 0..8 {
-        for x in 0..8 {
-            // Negative, and so with its top bit set, where any edge has the centre on its right.
-            let outside = edges.iter().fold(0, |all, (at, n)| all | (at + n[0] * x + n[1] * y));
-            covered |= u64::from(outside >= 0) << (8 * y + x);
-        }
+impl Leaf<'_> {
+    #[inline(always)]
+    fn first_center(&self) -> [i64; 2] {
+        [self.resolution.texel_center(self.tile.x), self.resolution.texel_center(self.tile.y)]
     }
-    covered
+
+    /// Bit 8*y + x is set where the triangle covers the texel's centre.
+    #[inline]
+    fn coverage(&self, triangle: &BuildTriangle, entry: Entry) -> u64 {
+        if entry.has(COVERS) {
+            return u64::MAX;
+        }
+        if !entry.has(ENTERS) && !entry.has(EXITS) && entry.has(SOLID) {
+            return 0;
+        }
+        let first = self.first_center();
+        let steps = self.resolution.texel_steps();
+        let mut covered = u64::MAX;
+        for i in 0..3 {
+            let edge = triangle.edge(i);
+            let at = edge.at(first) - edge.threshold();
+            let [dx, dy] = [edge.normal[0] * steps, edge.normal[1] * steps];
+            if at + 7 * (dx.min(0) + dy.min(0)) < 0 {
+                covered &= left_of_edge(at, dx, dy);
+            }
+        }
+        covered
+    }
 }
 
-fn crossing(triangle: &BuildTriangle, tile: Tile, texel: usize, resolution: Resolution) -> Crossing {
-    let center = [tile.x + (texel as u32 & 7), tile.y + (texel as u32 >> 3)].map(|c| resolution.texel_center(c));
-    let slices_per_step = 1.0 / (1u64 << resolution.slice_shift()) as f64;
-    let depth = triangle.depth(center.map(|c| c as f64), slices_per_step);
-    let steepness = triangle.slope[0].abs() + triangle.slope[1].abs();
-    Crossing {
-        slice: triangle.slice(depth, center, resolution),
-        // Half a texel on; a hair more than exact does no harm. The cast saturates.
-        deepest: (depth + 0.5 * steepness * resolution.texel_steps() as f64 + 1.0 / 256.0) as u32,
-        winding: triangle.winding(),
+/// The 8 x 8 points at which a linear function is not negative, given its first value and its steps.
+#[inline]
+fn left_of_edge(at: i64, dx: i64, dy: i64) -> u64 {
+    let mut left = 0;
+    for y in 0..8 {
+        let row = at + y * dy;
+        let mut bits = 0;
+        for x in 0..8 {
+            bits |= u64::from(row + x * dx >= 0) << x;
+        }
+        left |= bits << (8 * y);
     }
+    left
 }
 
 /// Appends the transitions' column of 8 x 8 x 8 blocks.

@@ -13,46 +13,34 @@ pub(super) enum Settled {
     Mixed { clamp: u32 },
 }
 
-/// Lists longer than this are not sorted: tiles that large are never one plane.
+/// Longer lists are not sorted, and so not resolved: tiles that large are never one plane.
 const LONGEST_SORTED: usize = 512;
 
-/// Judges a tile and drops what its texels cannot see from the list (`entries` from `start`).
+/// Judges a tile and drops from its list what its texels cannot see. What remains is sorted, at leaves in any case.
 ///
 /// `clamp` is a slice from the parent with all its texels inside a solid or behind a surface: a texel's first shadowed
 /// slice is never behind it, so exits count as no later.
-pub(super) fn settle(entries: &mut Vec<Entry>, start: usize, clamp: u32) -> Settled {
-    if entries.len() == start {
+pub(super) fn settle(entries: &mut Vec<Entry>, is_leaf: bool, clamp: u32) -> Settled {
+    if entries.is_empty() {
         return Settled::Lit;
     }
     // Behind an open triangle that covers the whole tile nothing can be a first surface.
-    let covering = entries[start..].iter().filter(|e| e.has(COVERS) && !e.has(SOLID));
-    let covered = covering.map(|e| e.last + 1).min();
-    let mut clamp = covered.map_or(clamp, |c| c.min(clamp));
-    retain_before(entries, start, clamp);
-    if entries.len() - start <= LONGEST_SORTED {
-        entries[start..].sort_unstable_by_key(|e| (e.first, e.triangle));
-        match first_inner_gap(&entries[start..], clamp) {
-            Gap::None => {}
-            Gap::Plane { enter, exit } => return Settled::Plane { enter, exit },
-            Gap::Behind { end } => {
-                clamp = clamp.min(end);
-                retain_before(entries, start, clamp);
-            }
+    let covering = entries.iter().filter(|e| e.has(COVERS) && !e.has(SOLID));
+    let mut clamp = covering.map(|e| e.last + 1).min().map_or(clamp, |c| c.min(clamp));
+    entries.retain(|e| e.first < clamp);
+    if entries.len() > LONGEST_SORTED && !is_leaf {
+        return Settled::Mixed { clamp };
+    }
+    entries.sort_unstable_by_key(|e| (u64::from(e.first) << 32) | u64::from(e.triangle));
+    match first_inner_gap(entries, clamp) {
+        Gap::None => {}
+        Gap::Plane { enter, exit } => return Settled::Plane { enter, exit },
+        Gap::Behind { end } => {
+            clamp = clamp.min(end);
+            entries.truncate(entries.partition_point(|e| e.first < clamp));
         }
     }
     Settled::Mixed { clamp }
-}
-
-/// Keeps what begins before `clamp`, in order.
-fn retain_before(entries: &mut Vec<Entry>, start: usize, clamp: u32) {
-    let mut kept = start;
-    for i in start..entries.len() {
-        if entries[i].first < clamp {
-            entries[kept] = entries[i];
-            kept += 1;
-        }
-    }
-    entries.truncate(kept);
 }
 
 enum Gap {

@@ -61,17 +61,15 @@ impl Entry {
     }
 }
 
-/// A tile on the lattice, ready to be held against many triangles.
-#[derive(Clone, Copy)]
-pub(super) struct TileFrame {
-    /// First and last texel centre.
+/// A tile's four children on the lattice, ready to be held against many triangles.
+pub(super) struct Split {
+    /// First texel centre of child 0; the others' lie `step` further along x, y or both.
     first: [i64; 2],
-    last: [i64; 2],
-    /// Middle of the tile.
+    step: i64,
+    /// Side of a child's rectangle of texel centres.
+    side: i64,
+    /// Middle of child 0.
     middle: [f64; 2],
-    /// Half the side of the rectangle of centres, and of the tile itself.
-    half_centers: f64,
-    half_tile: f64,
     slices_per_step: f64,
     shift: u32,
     max_slice: f64,
@@ -80,81 +78,143 @@ pub(super) struct TileFrame {
 /// Depth intervals are widened by this many slices, so that rounding opens no gap between neighbours.
 const WIDEN_SLICES: f64 = 1.0 / 256.0;
 
-impl TileFrame {
-    pub fn new(tile: Tile, resolution: Resolution) -> Self {
-        let texels = 1u32 << tile.log2;
-        let [first, last] = [0, texels - 1].map(|t| [tile.x + t, tile.y + t].map(|c| resolution.texel_center(c)));
-        let steps = resolution.texel_steps() as f64;
+/// Relative bound on the rounding of a depth, of the greatest term in it.
+const ROUNDING: f64 = 1.0 / (1u64 << 49) as f64;
+
+impl Split {
+    pub fn new(parent: Tile, resolution: Resolution) -> Self {
+        let texel = resolution.texel_steps();
+        let step = texel << (parent.log2 - 1);
+        let first = [resolution.texel_center(parent.x), resolution.texel_center(parent.y)];
+        let side = step - texel;
         Self {
             first,
-            last,
-            middle: [0, 1].map(|a| 0.5 * (first[a] + last[a]) as f64),
-            half_centers: 0.5 * (last[0] - first[0]) as f64,
-            half_tile: 0.5 * f64::from(texels) * steps,
-            slices_per_step: 1.0 / (1u64 << resolution.slice_shift()) as f64,
+            step,
+            side,
+            middle: [first[0] as f64 + 0.5 * side as f64, first[1] as f64 + 0.5 * side as f64],
+            slices_per_step: resolution.slices_per_step(),
             shift: resolution.slice_shift(),
             max_slice: f64::from(resolution.texels()),
         }
     }
 
-    /// The triangle's entry in the tile's list, given that of the parent's; `None` if it does not touch the rectangle
-    /// of texel centres.
+    /// Calls `keep` with each child whose rectangle of texel centres the triangle touches, and its entry there.
     #[inline(always)]
-    pub fn classify(&self, triangle: &BuildTriangle, parent: Entry) -> Option<Entry> {
-        let mut flags = parent.flags;
+    pub fn classify(&self, triangle: &BuildTriangle, parent: Entry, mut keep: impl FnMut(usize, Entry)) {
+        let mut coverage = [Some(COVERS | COVERS_FIRST); 4];
         if !parent.has(COVERS) {
-            flags = (flags & !COVERS_FIRST) | self.coverage(triangle)?;
+            coverage = self.coverage(triangle);
         }
-        let (first, last) = self.depth_range(triangle);
-        Some(Entry { triangle: parent.triangle, flags, first: first.max(parent.first), last: last.min(parent.last) })
-    }
-
-    /// [`COVERS`] and [`COVERS_FIRST`] as they are; `None` if the triangle does not touch the rectangle.
-    #[inline(always)]
-    fn coverage(&self, t: &BuildTriangle) -> Option<u32> {
-        let outside = |c: [i32; 3], a: usize| {
-            i64::from(c[0].max(c[1]).max(c[2])) < self.first[a] || i64::from(c[0].min(c[1]).min(c[2])) > self.last[a]
-        };
-        if outside(t.x, 0) || outside(t.y, 1) {
-            return None;
-        }
-        let side = self.last[0] - self.first[0];
-        let (mut covers, mut covers_first) = (!t.is_edge_on(), !t.is_edge_on());
-        for i in 0..3 {
-            let edge = t.edge(i);
-            let at_first = edge.at(self.first);
-            let [x, y] = edge.normal.map(|n| n * side);
-            if at_first + x.max(0) + y.max(0) < 0 {
-                return None;
+        let depths = self.depths(triangle);
+        for (child, coverage) in coverage.into_iter().enumerate() {
+            if let Some(coverage) = coverage {
+                let (first, last) = depths.of_child(child);
+                let flags = (parent.flags & !(COVERS | COVERS_FIRST)) | coverage;
+                let (first, last) = (first.max(parent.first), last.min(parent.last));
+                keep(child, Entry { triangle: parent.triangle, flags, first, last });
             }
-            let threshold = edge.threshold();
-            covers &= at_first + x.min(0) + y.min(0) >= threshold;
-            covers_first &= at_first >= threshold;
         }
-        Some(if covers {
-            COVERS | COVERS_FIRST
-        } else if covers_first {
-            COVERS_FIRST
-        } else {
-            0
-        })
     }
 
-    /// Conservative first and last slice: see [`Entry`].
+    /// Per child [`COVERS`] and [`COVERS_FIRST`] as they are; `None` where the triangle does not touch the rectangle.
     #[inline(always)]
-    fn depth_range(&self, t: &BuildTriangle) -> (u32, u32) {
-        let [near, far] = [t.z[0].min(t.z[1]).min(t.z[2]), t.z[0].max(t.z[1]).max(t.z[2])].map(|z| z >> self.shift);
-        if t.is_edge_on() {
-            return (near, far);
+    fn coverage(&self, t: &BuildTriangle) -> [Option<u32>; 4] {
+        // Which halves of the parent the triangle's box touches, along an axis: bit 0 the lesser, bit 1 the greater.
+        let halves = |c: [i32; 3], a: usize| {
+            let (low, high) = (i64::from(c[0].min(c[1]).min(c[2])), i64::from(c[0].max(c[1]).max(c[2])));
+            let begin = self.first[a];
+            let touches = |from: i64| u32::from(high >= from && low <= from + self.side);
+            touches(begin) | (touches(begin + self.step) << 1)
+        };
+        let (columns, rows) = (halves(t.x, 0), halves(t.y, 1));
+        let whole = if t.is_edge_on() { 0 } else { COVERS | COVERS_FIRST };
+        let mut coverage = [None; 4];
+        if columns == 0 || rows == 0 {
+            return coverage;
         }
-        let depth = t.depth(self.middle, self.slices_per_step);
-        let steepness = t.slope[0].abs() + t.slope[1].abs();
-        let reach = (self.middle[0] - f64::from(t.x[0])).abs() * t.slope[0].abs()
-            + (self.middle[1] - f64::from(t.y[0])).abs() * t.slope[1].abs();
-        let widen = WIDEN_SLICES + (reach + steepness * self.half_tile) * 2.0f64.powi(-49);
-        let low = (depth - steepness * self.half_centers - widen).clamp(0.0, self.max_slice) as u32;
-        let high = (depth + steepness * self.half_tile + widen).clamp(0.0, self.max_slice) as u32;
-        (low.max(near), high.min(far))
+        let edges = [self.edge_in_children(t, 0), self.edge_in_children(t, 1), self.edge_in_children(t, 2)];
+        for (child, coverage) in coverage.iter_mut().enumerate() {
+            let in_box = (columns >> (child & 1)) & (rows >> (child >> 1)) & 1 != 0;
+            let touches = |e: &EdgeInChildren| e.at_first[child] + e.to_greatest >= 0;
+            if in_box && edges.iter().all(touches) {
+                let covers = edges.iter().all(|e| e.at_first[child] + e.to_least >= e.threshold);
+                let covers_first = edges.iter().all(|e| e.at_first[child] >= e.threshold);
+                let all = if covers { COVERS | COVERS_FIRST } else { 0 };
+                *coverage = Some((all | if covers_first { COVERS_FIRST } else { 0 }) & whole);
+            }
+        }
+        coverage
+    }
+
+    #[inline(always)]
+    fn edge_in_children(&self, t: &BuildTriangle, i: usize) -> EdgeInChildren {
+        let edge = t.edge(i);
+        let at = edge.at(self.first);
+        let [dx, dy] = [edge.normal[0] * self.step, edge.normal[1] * self.step];
+        let [x, y] = [edge.normal[0] * self.side, edge.normal[1] * self.side];
+        EdgeInChildren {
+            at_first: [at, at + dx, at + dy, at + dx + dy],
+            to_greatest: x.max(0) + y.max(0),
+            to_least: x.min(0) + y.min(0),
+            threshold: edge.threshold(),
+        }
+    }
+
+    #[inline(always)]
+    fn depths(&self, t: &BuildTriangle) -> Depths {
+        let near = t.z[0].min(t.z[1]).min(t.z[2]) >> self.shift;
+        let far = t.z[0].max(t.z[1]).max(t.z[2]) >> self.shift;
+        if t.is_edge_on() {
+            return Depths { at_middle: 0.0, step: [0.0; 2], low: 0.0, high: self.max_slice, near, far };
+        }
+        let [sx, sy] = [t.slope[0].abs(), t.slope[1].abs()];
+        let step = self.step as f64;
+        let reach =
+            [(self.middle[0] - f64::from(t.x[0])).abs() + step, (self.middle[1] - f64::from(t.y[0])).abs() + step];
+        let widen = WIDEN_SLICES + (reach[0] * sx + reach[1] * sy) * ROUNDING;
+        let steepness = 0.5 * (sx + sy);
+        Depths {
+            at_middle: t.depth(self.middle, self.slices_per_step),
+            step: [t.slope[0] * step, t.slope[1] * step],
+            low: steepness * self.side as f64 + widen,
+            high: steepness * step + widen,
+            near,
+            far,
+        }
+    }
+}
+
+/// An edge function over the four children's rectangles.
+struct EdgeInChildren {
+    at_first: [i64; 4],
+    /// From a child's first centre to its greatest and least value over the child's centres.
+    to_greatest: i64,
+    to_least: i64,
+    threshold: i64,
+}
+
+/// A triangle's plane over the four children.
+struct Depths {
+    at_middle: f64,
+    step: [f64; 2],
+    /// How far the plane may lie before and behind its depth at a child's middle.
+    low: f64,
+    high: f64,
+    /// The corners' own least and greatest slice.
+    near: u32,
+    far: u32,
+}
+
+impl Depths {
+    /// Conservative first and last slice in a child: see [`Entry`].
+    #[inline(always)]
+    fn of_child(&self, child: usize) -> (u32, u32) {
+        let mut depth = self.at_middle;
+        depth += if child & 1 != 0 { self.step[0] } else { 0.0 };
+        depth += if child & 2 != 0 { self.step[1] } else { 0.0 };
+        // Casts of numbers saturate, and round down where positive.
+        let (low, high) = ((depth - self.low) as u32, (depth + self.high) as u32);
+        (low.max(self.near), high.min(self.far))
     }
 }
 

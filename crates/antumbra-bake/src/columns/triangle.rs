@@ -21,6 +21,9 @@ const FACES_LIGHT: u32 = 2;
 const EDGE_ON: u32 = 4;
 const SOLID_FACING: u32 = SOLID | FACES_LIGHT;
 
+/// 2^52: the spacing of doubles from here on is one.
+const ROUNDER: f64 = (1u64 << 52) as f64;
+
 impl BuildTriangle {
     /// `None` for a triangle that can neither cover a texel nor bound a solid.
     #[must_use]
@@ -53,8 +56,7 @@ impl BuildTriangle {
 
     fn set_plane(&mut self, resolution: Resolution) {
         let (numerators, area) = self.gradient();
-        let slices_per_step = 1.0 / (1u64 << resolution.slice_shift()) as f64;
-        self.slope = numerators.map(|n| n as f64 / area as f64 * slices_per_step);
+        self.slope = numerators.map(|n| n as f64 / area as f64 * resolution.slices_per_step());
         let reach = |c: [i32; 3]| f64::from(c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]));
         let span = self.slope[0].abs() * reach(self.x) + self.slope[1].abs() * reach(self.y);
         // A handful of roundings of terms no greater than the span, and of a sum no greater than 2^20.
@@ -109,12 +111,55 @@ impl BuildTriangle {
         f64::from(self.z[0]) * slices_per_step + (x * self.slope[0] + y * self.slope[1])
     }
 
-    /// The slice of a rounded depth at a texel centre that the triangle covers.
-    #[inline(always)]
-    pub(super) fn slice(&self, rounded: f64, p: [i64; 2], resolution: Resolution) -> u32 {
-        let error = f64::from(self.error);
-        let (low, high) = ((rounded - error).floor(), (rounded + error).floor());
-        if low == high && low >= 0.0 { low as u32 } else { self.exact_slice(p, resolution) }
+    /// The slices of a leaf's 64 texel centres, row by row from the first; exact where `wanted` has a bit and the
+    /// triangle covers the centre.
+    #[inline]
+    pub(super) fn leaf_slices(&self, first: [i64; 2], wanted: u64, resolution: Resolution) -> [u32; 64] {
+        let (mut slices, doubtful) = self.rounded_slices(first, resolution, 0.0);
+        let mut doubtful = doubtful & wanted;
+        while doubtful != 0 {
+            let i = doubtful.trailing_zeros() as usize;
+            let offset = [i as i64 & 7, i as i64 >> 3].map(|texels| texels * resolution.texel_steps());
+            slices[i] = self.exact_slice([first[0] + offset[0], first[1] + offset[1]], resolution);
+            doubtful &= doubtful - 1;
+        }
+        slices
+    }
+
+    /// The slices of the plane's deepest points in a leaf's 64 texels; a hair too deep does no harm.
+    #[inline]
+    pub(super) fn leaf_deepest(&self, first: [i64; 2], resolution: Resolution) -> [u32; 64] {
+        let steepness = self.slope[0].abs() + self.slope[1].abs();
+        let rise = 0.5 * steepness * resolution.texel_steps() as f64 + 1.0 / 256.0;
+        self.rounded_slices(first, resolution, rise.min(f64::from(resolution.texels()))).0
+    }
+
+    /// Slices by floating point, `beyond` slices behind the plane, and a bit for each that rounding may have made
+    /// wrong.
+    #[inline]
+    fn rounded_slices(&self, first: [i64; 2], resolution: Resolution, beyond: f64) -> ([u32; 64], u64) {
+        let texel = resolution.texel_steps() as f64;
+        let corner = self.depth([first[0] as f64, first[1] as f64], resolution.slices_per_step()) + beyond;
+        let step = [self.slope[0] * texel, self.slope[1] * texel];
+        // The triangle covers some of the centres, so the leaf's first lies within eight texels of it.
+        let error = f64::from(self.error) + (step[0].abs() + step[1].abs()) * 2.0f64.powi(-45);
+        let mut slices = [0; 64];
+        let mut doubtful = 0;
+        for y in 0..8 {
+            let mut sure = [0u64; 8];
+            for x in 0..8 {
+                let depth = corner + (x as f64 * step[0] + y as f64 * step[1]);
+                // Adding 2^52 rounds to a whole number and leaves it in the low bits.
+                let rounded = (depth - 0.5) + ROUNDER;
+                let share = depth - (rounded - ROUNDER);
+                slices[8 * y + x] = rounded.to_bits() as u32;
+                sure[x] = u64::from(share > error && share < 1.0 - error);
+            }
+            for (x, sure) in sure.iter().enumerate() {
+                doubtful |= (sure ^ 1) << (8 * y + x);
+            }
+        }
+        (slices, doubtful)
     }
 
     /// The slice at a lattice point, in exact integers.

@@ -67,6 +67,12 @@ impl Resolution {
         i64::from(texel) * self.texel_steps() + self.texel_steps() / 2
     }
 
+    /// Slices per lattice step along the light: a power of two.
+    #[must_use]
+    pub fn slices_per_step(self) -> f64 {
+        1.0 / (1u64 << self.slice_shift()) as f64
+    }
+
     /// Bits to shift a depth on the lattice right by for its slice.
     #[must_use]
     pub fn slice_shift(self) -> u32 {
