@@ -1,0 +1,182 @@
+//! The builder against the oracle on random and nasty scenes: every texel, every slice.
+
+mod common;
+
+use antumbra::Interior;
+use antumbra_scene::Scene;
+use common::{bake_for_check, check_all, cuboid, options, scene, sun, turned};
+use glam::{DAffine3, DVec3};
+use proptest::prelude::*;
+
+type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+/// Triangles anywhere, some thin, some with corners that coincide with others'.
+fn soup() -> impl Strategy<Value = Mesh> {
+    let corner = prop_oneof![
+        3 => prop::array::uniform3(-1.0f32..1.0),
+        1 => prop::array::uniform3((-4i32..=4).prop_map(|c| c as f32 * 0.25)),
+    ];
+    let thin = (prop::array::uniform3(-1.0f32..1.0), prop::array::uniform3(-1.0f32..1.0), 0.0f32..1e-3)
+        .prop_map(|(a, b, e)| [a, b, [(a[0] + b[0]) * 0.5 + e, (a[1] + b[1]) * 0.5, (a[2] + b[2]) * 0.5 - e]]);
+    let whole = prop::array::uniform3(corner);
+    prop::collection::vec(prop_oneof![4 => whole, 1 => thin], 1..24).prop_map(|triangles| {
+        let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        (triangles.into_iter().flatten().collect(), indices)
+    })
+}
+
+/// Boxes on a coarse grid, so that many touch, coincide, nest or share faces; some free; some inside out.
+fn solid() -> impl Strategy<Value = Mesh> {
+    let on_grid = (prop::array::uniform3(-4i32..=4), prop::array::uniform3(1i32..=4))
+        .prop_map(|(c, h)| cuboid(c.map(|c| f64::from(c) * 0.25), h.map(|h| f64::from(h) * 0.125), 0.0));
+    let free = (prop::array::uniform3(-1.0f64..1.0), prop::array::uniform3(0.01f64..0.7), 0.0f64..3.2)
+        .prop_map(|(c, h, turn)| cuboid(c, h, turn));
+    let either = prop_oneof![on_grid, free];
+    (either, prop::bool::weighted(0.2)).prop_map(|(mesh, turn)| if turn { turned(mesh) } else { mesh })
+}
+
+fn meshes() -> impl Strategy<Value = Vec<Mesh>> {
+    prop_oneof![
+        prop::collection::vec(soup(), 1..2),
+        prop::collection::vec(solid(), 1..7),
+        (prop::collection::vec(solid(), 1..5), soup()).prop_map(|(mut solids, soup)| {
+            solids.push(soup);
+            solids
+        }),
+    ]
+}
+
+fn direction() -> impl Strategy<Value = [f64; 3]> {
+    prop_oneof![
+        4 => prop::array::uniform3(-1.0f64..1.0).prop_filter("not zero", |d| d.iter().any(|c| c.abs() > 0.01)),
+        1 => Just([0.0, -1.0, 0.0]),
+        1 => Just([1.0, 0.0, 0.0]),
+        1 => Just([0.0, -1.0, 1.0]),
+        1 => Just([1.0, -1.0, -1.0]),
+    ]
+}
+
+fn interior() -> impl Strategy<Value = Interior> {
+    prop_oneof![Just(Interior::Open), Just(Interior::Closed), Just(Interior::Auto)]
+}
+
+fn check(scene: &Scene, direction: [f64; 3], interior: Interior, resolution: u32) -> Result<(), String> {
+    check_all(&bake_for_check(scene, &sun(direction), &options(interior, resolution, 1)))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn agrees_with_the_oracle(meshes in meshes(), direction in direction(), interior in interior()) {
+        let scene = scene(meshes, DAffine3::IDENTITY);
+        check(&scene, direction, interior, 64).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn agrees_far_from_the_origin(meshes in meshes(), direction in direction()) {
+        let place = DAffine3::from_translation(DVec3::new(4.3e6, -2.1e5, 7.7e6)) * DAffine3::from_scale(DVec3::splat(900.0));
+        check(&scene(meshes, place), direction, Interior::Auto, 64).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn agrees_when_mirrored_and_squashed(meshes in meshes(), direction in direction()) {
+        let place = DAffine3::from_scale(DVec3::new(-1.0, 3.0, 0.01));
+        check(&scene(meshes, place), direction, Interior::Auto, 64).map_err(TestCaseError::fail)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+
+    #[test]
+    fn agrees_at_greater_resolutions(meshes in meshes(), direction in direction(), interior in interior()) {
+        let scene = scene(meshes, DAffine3::IDENTITY);
+        check(&scene, direction, interior, 512).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn threads_do_not_change_the_bytes(meshes in meshes(), direction in direction()) {
+        let scene = scene(meshes, DAffine3::IDENTITY);
+        let bytes = |threads| bake_for_check(&scene, &sun(direction), &options(Interior::Auto, 1024, threads)).bytes;
+        let one = bytes(1);
+        prop_assert!(one == bytes(2) && one == bytes(3), "bytes differ between thread counts");
+    }
+}
+
+const SLANT: [f64; 3] = [0.37, -0.81, 0.45];
+
+fn assert_agrees(meshes: Vec<Mesh>, direction: [f64; 3], interior: Interior) {
+    let scene = scene(meshes, DAffine3::IDENTITY);
+    for resolution in [64, 256] {
+        check(&scene, direction, interior, resolution).unwrap();
+    }
+}
+
+#[test]
+fn one_triangle() {
+    let triangle = (vec![[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.2, 0.3, 1.0]], vec![[0, 1, 2]]);
+    assert_agrees(vec![triangle], SLANT, Interior::Auto);
+}
+
+#[test]
+fn a_triangle_smaller_than_a_texel() {
+    let speck = (vec![[0.5, 0.5, 0.5], [0.5001, 0.5, 0.5], [0.5, 0.5, 0.5001]], vec![[0, 1, 2]]);
+    assert_agrees(vec![cuboid([0.0; 3], [1.0, 0.1, 1.0], 0.0), speck], SLANT, Interior::Auto);
+}
+
+#[test]
+fn edge_on_walls() {
+    let walls = vec![cuboid([0.0, 0.5, 0.0], [0.5, 0.5, 0.5], 0.3), cuboid([0.0, -0.1, 0.0], [2.0, 0.1, 2.0], 0.0)];
+    assert_agrees(walls.clone(), [0.0, -1.0, 0.0], Interior::Auto);
+    assert_agrees(walls, [1.0, 0.0, 0.0], Interior::Open);
+}
+
+#[test]
+fn t_junctions_stay_closed() {
+    // The top is split in two along x; the long sides keep their whole edges, closed by two zero-area seams.
+    let (mut positions, mut triangles) = cuboid([0.0; 3], [1.0, 0.5, 1.0], 0.0);
+    let (a, b) = (positions.len() as u32, positions.len() as u32 + 1);
+    positions.extend([[0.0, 0.5, -1.0], [0.0, 0.5, 1.0]]);
+    triangles.retain(|t| !t.iter().all(|i| [2, 6, 7, 3].contains(i)));
+    triangles.extend([[2, 6, b], [2, b, a], [a, b, 7], [a, 7, 3]]);
+    let mut scene = scene(vec![(positions, triangles)], DAffine3::IDENTITY);
+    let open = bake_for_check(&scene, &sun(SLANT), &options(Interior::Auto, 256, 1));
+    assert_eq!(open.file.stats().unwrap().triangles_closed, 0);
+    check_all(&open).unwrap();
+    scene.meshes[0].primitives[0].seams = vec![[2, a, 3], [6, 7, b]];
+    let closed = bake_for_check(&scene, &sun(SLANT), &options(Interior::Auto, 256, 1));
+    assert_eq!(closed.file.stats().unwrap().triangles_open, 0);
+    check_all(&closed).unwrap();
+}
+
+#[test]
+fn touching_solids_leave_no_slit() {
+    let stack = (0..5).map(|i| cuboid([0.0, f64::from(i) * 0.2, 0.0], [0.5, 0.1, 0.5], 0.0)).collect();
+    assert_agrees(stack, [0.0, -1.0, 0.0], Interior::Closed);
+}
+
+#[test]
+fn cavities_are_told_from_lone_inverted_parts() {
+    let outer = cuboid([0.0; 3], [1.0; 3], 0.0);
+    let inner = turned(cuboid([0.1, 0.0, 0.0], [0.5; 3], 0.4));
+    let stats = |meshes: Vec<Mesh>| {
+        let scene = scene(meshes, DAffine3::IDENTITY);
+        bake_for_check(&scene, &sun(SLANT), &options(Interior::Auto, 64, 1)).file.stats().unwrap()
+    };
+    let room = stats(vec![outer.clone(), inner.clone()]);
+    assert_eq!((room.triangles_closed, room.triangles_cavity, room.triangles_open), (24, 12, 0));
+    let lone = stats(vec![inner.clone()]);
+    assert_eq!((lone.triangles_closed, lone.triangles_cavity, lone.triangles_open), (0, 0, 12));
+    assert_agrees(vec![outer, inner], SLANT, Interior::Auto);
+}
+
+#[test]
+fn a_part_spread_over_nodes_is_closed() {
+    let (positions, triangles) = cuboid([0.0; 3], [1.0; 3], 0.2);
+    let halves = triangles.chunks(6).map(|t| (positions.clone(), t.to_vec())).collect();
+    let scene = scene(halves, DAffine3::IDENTITY);
+    let checked = bake_for_check(&scene, &sun(SLANT), &options(Interior::Auto, 64, 1));
+    assert_eq!(checked.file.stats().unwrap().triangles_closed, 12);
+    check_all(&checked).unwrap();
+}
