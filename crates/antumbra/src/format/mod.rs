@@ -34,6 +34,7 @@ pub mod canonical;
 pub mod dag8;
 pub mod file;
 pub mod light;
+pub mod reach;
 pub(crate) mod section;
 pub mod stat;
 pub mod write;

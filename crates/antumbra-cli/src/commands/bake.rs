@@ -1,0 +1,201 @@
+//! `antumbra bake`: from a scene file to a shadow file.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use antumbra::Interior;
+use antumbra_bake::light_space::Resolution;
+use antumbra_bake::{BakeOptions, Baked, LightReport, ResolutionRequest};
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use glam::DVec3;
+use serde_json::json;
+
+use crate::args::{self, CasterArgs, RunArgs, SunAngles};
+use crate::describe::{self, LightSummary};
+use crate::output::{self, OutputFile};
+use crate::progress::Progress;
+use crate::table::{Table, bytes, count, printable};
+use crate::{inputs, lights, memory};
+
+const EXAMPLE: &str = "Example:\n  antumbra bake city.glb -o city.antumbra --sun 135,40 --resolution 16384";
+
+/// Bakes a scene's shadows into a file. The same scene and options give the same bytes, whatever the threads.
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLE)]
+pub struct Args {
+    /// The scene: .glb, .gltf or .obj
+    scene: PathBuf,
+    /// Where to write
+    #[arg(short, long, value_name = "FILE.antumbra")]
+    output: PathBuf,
+    /// A light of the scene to bake; may be repeated [default: all directional lights]
+    #[arg(long, value_name = "NAME")]
+    light: Vec<String>,
+    /// Bake a directional light named "sun" too, in degrees: azimuth clockwise from north (-Z) seen from above (+Y),
+    /// elevation above the horizon. It replaces a light of that name
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = args::parse_sun, allow_hyphen_values = true)]
+    sun: Option<SunAngles>,
+    /// Texels per side and depth slices: a power of two, 64 to 1048576 [default: 16384]
+    #[arg(long, value_name = "N", value_parser = args::parse_resolution)]
+    resolution: Option<Resolution>,
+    /// Instead of --resolution: the smallest power of two whose texels are no larger than so many metres
+    #[arg(long, value_name = "METRES", value_parser = args::parse_metres, conflicts_with = "resolution")]
+    texel_size: Option<f64>,
+    /// Where the bake may choose freely: auto (inside whatever is closed), open (nowhere), closed (as auto, and warns of
+    /// what is open), thickness=METRES and static=METRES (not in this version)
+    #[arg(long, value_name = "POLICY", value_parser = args::parse_interior, default_value = "auto")]
+    interior: Interior,
+    #[command(flatten)]
+    casters: CasterArgs,
+    /// Where receivers may be, if larger than the casters' box. Changes nothing for directional lights: they answer
+    /// exactly everywhere
+    #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = args::parse_bounds, allow_hyphen_values = true)]
+    bounds: Option<[DVec3; 2]>,
+    /// Near distance of spot and point lights (not in this version)
+    #[arg(long, value_name = "METRES", value_parser = args::parse_metres)]
+    near: Option<f64>,
+    /// Node encoding
+    #[arg(long, value_name = "NAME", default_value = "dag8")]
+    encoding: String,
+    /// Construction method
+    #[arg(long, value_enum, default_value_t = Method::Columns)]
+    method: Method,
+    /// Most memory that the whole program may take: 512M, 2G, 1GiB or plain bytes
+    #[arg(long, value_name = "SIZE", value_parser = args::parse_size)]
+    memory_limit: Option<u64>,
+    /// Go on with a bake that was cut short (not in this version)
+    #[arg(long)]
+    resume: bool,
+    #[command(flatten)]
+    run: RunArgs,
+    /// Print JSON alone
+    #[arg(long)]
+    json: bool,
+}
+
+/// `--method`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Method {
+    /// This program's own
+    Columns,
+    /// Kämpe et al. 2015 (not in this version)
+    Kampe2015,
+    /// Sintorn et al. 2014 (not in this version)
+    Sintorn2014,
+}
+
+/// Bakes.
+pub fn run(args: &Args) -> Result<()> {
+    let start = Instant::now();
+    refuse_what_comes_later(args)?;
+    let output = OutputFile::new(&args.output)?;
+    let progress = Progress::new(args.run.quiet);
+    progress.stage("reading the scene");
+    let mut scene = inputs::scene(&args.scene, &args.casters.exclude)?;
+    let mut warnings = Vec::new();
+    let lights = lights::choose(&mut scene, &args.light, args.sun, &mut warnings)?;
+    let options = options(args)?;
+    let baked = antumbra_bake::bake(&scene, &lights, &options, &progress).with_context(|| asked_for(args))?;
+    progress.stage("writing");
+    output.write(&baked.bytes)?;
+    drop(progress);
+    warnings.extend_from_slice(&baked.warnings);
+    output::warn(&warnings);
+    report(args, &baked, &warnings, start.elapsed().as_secs_f64())
+}
+
+fn refuse_what_comes_later(args: &Args) -> Result<()> {
+    if args.near.is_some() {
+        bail!("--near is about spot and point lights, which this version does not bake; leave it out");
+    }
+    if args.resume {
+        bail!("--resume is not in this version; leave it out to bake from the start");
+    }
+    if args.method != Method::Columns {
+        bail!("--method kampe2015 and sintorn2014 are not in this version; use columns");
+    }
+    if args.encoding != "dag8" {
+        bail!("--encoding \"{}\" is not in this version; use dag8", args.encoding);
+    }
+    Ok(())
+}
+
+fn options(args: &Args) -> Result<BakeOptions> {
+    Ok(BakeOptions {
+        interior: args.interior,
+        resolution: match (args.resolution, args.texel_size) {
+            (Some(resolution), _) => ResolutionRequest::Texels(resolution),
+            (None, Some(metres)) => ResolutionRequest::TexelSize(metres),
+            (None, None) => ResolutionRequest::Default,
+        },
+        inverted: args.casters.inverted(),
+        blend: args.casters.blend(),
+        threads: args.run.threads(),
+        memory_limit: args.memory_limit.map(left_of).transpose()?,
+    })
+}
+
+/// What of the program's limit is left beside what it holds already: the scene, above all.
+fn left_of(limit: u64) -> Result<u64> {
+    let held = memory::current_bytes().unwrap_or(0);
+    let left = limit.checked_sub(held).filter(|left| *left > 0);
+    left.with_context(|| {
+        format!("the scene alone takes {}, more than --memory-limit {}; allow more", bytes(held), bytes(limit))
+    })
+}
+
+/// Names the scene in errors, and the whole limit where the baker knows only what was left of it.
+fn asked_for(args: &Args) -> String {
+    let limit = args.memory_limit.map_or(String::new(), |limit| {
+        format!(" within {limit} bytes, of which the program and the scene have taken their part")
+    });
+    format!("cannot bake {}{limit}", args.scene.display())
+}
+
+fn report(args: &Args, baked: &Baked, warnings: &[String], seconds: f64) -> Result<()> {
+    if args.json {
+        return describe::print(&json!({
+            "lights": baked.lights.iter().map(|light| summary(light).json()).collect::<Vec<_>>(),
+            "file_bytes": baked.bytes.len(),
+            "peak_rss_bytes": memory::peak_bytes(),
+            "threads": baked.threads,
+            "triangles": describe::triangles(&baked.stats),
+            "seconds": seconds,
+            "warnings": warnings,
+        }));
+    }
+    if args.run.quiet {
+        return Ok(());
+    }
+    output::print(&summary_table(args, baked, seconds))
+}
+
+fn summary(light: &LightReport) -> LightSummary<'_> {
+    LightSummary {
+        name: &light.name,
+        kind: light.kind.name(),
+        resolution: light.resolution,
+        texel_size_m: light.texel_size_m,
+        bytes: light.bytes,
+        build_seconds: Some(light.build_seconds),
+        nodes: light.nodes,
+    }
+}
+
+fn summary_table(args: &Args, baked: &Baked, seconds: f64) -> String {
+    let mut text = String::new();
+    for light in &baked.lights {
+        let heading = format!("{} ({})", printable(&light.name), light.kind.name());
+        text += &summary(light).table().row("built in", format!("{:.2} s", light.build_seconds)).text(&heading);
+    }
+    let mut table = Table::default();
+    table.row("bytes", format!("{} ({})", bytes(baked.bytes.len() as u64), count(baked.bytes.len() as u64)));
+    table.row("triangles", describe::triangles_text(&baked.stats));
+    table.row("threads", baked.threads.to_string());
+    if let Some(peak) = memory::peak_bytes() {
+        table.row("peak memory", bytes(peak));
+    }
+    table.row("all in all", format!("{seconds:.2} s"));
+    text + &table.text(&args.output.display().to_string())
+}

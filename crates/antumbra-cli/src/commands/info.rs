@@ -1,0 +1,120 @@
+//! `antumbra info`: what a shadow file holds.
+
+use std::path::PathBuf;
+
+use antumbra::format::dag8::NodeCounts;
+use antumbra::format::reach;
+use antumbra::format::{VERSION_MAJOR, VERSION_MINOR};
+use antumbra::{LightShadow, ShadowFile};
+use anyhow::Result;
+use serde_json::{Value, json};
+
+use crate::describe::{self, LightSummary};
+use crate::table::{Table, bytes, count, printable};
+use crate::{inputs, output};
+
+/// Shows what a shadow file holds: lights, transforms, nodes by kind, bytes by section.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  antumbra info city.antumbra --json")]
+pub struct Args {
+    /// The shadow file
+    file: PathBuf,
+    /// Print JSON alone
+    #[arg(long)]
+    json: bool,
+}
+
+/// Shows.
+pub fn run(args: &Args) -> Result<()> {
+    let (file, file_bytes) = inputs::shadows(&args.file)?;
+    let shares = reach::by_light(&file);
+    let lights: Vec<_> = file.lights().zip(shares).map(|(light, share)| (light, summary(light, share))).collect();
+    if args.json {
+        describe::print(&as_json(&file, file_bytes, &lights))
+    } else {
+        output::print(&as_text(args, &file, file_bytes, &lights))
+    }
+}
+
+/// A light and what is told of it.
+type Described<'a> = (LightShadow<'a>, LightSummary<'a>);
+
+fn summary(light: LightShadow<'_>, (nodes, words): (NodeCounts, u64)) -> LightSummary<'_> {
+    let record = light.record();
+    LightSummary {
+        name: light.name(),
+        kind: light.kind().name(),
+        resolution: record.resolution(),
+        texel_size_m: record.texel_size_m,
+        bytes: 4 * words,
+        build_seconds: None,
+        nodes,
+    }
+}
+
+fn as_json(file: &ShadowFile, file_bytes: u64, lights: &[Described<'_>]) -> Value {
+    let sections = file.sections().iter().map(|(kind, bytes)| json!({ "kind": kind_text(*kind), "bytes": bytes }));
+    json!({
+        "lights": lights.iter().map(light_json).collect::<Vec<_>>(),
+        "file_bytes": file_bytes,
+        // Known to the bake alone.
+        "peak_rss_bytes": null,
+        "threads": null,
+        "triangles": file.stats().as_ref().map(describe::triangles),
+        "format_version": format!("{VERSION_MAJOR}.{VERSION_MINOR}"),
+        "nodes": describe::nodes(file.node_counts()),
+        "sections": sections.collect::<Vec<_>>(),
+    })
+}
+
+fn light_json((light, summary): &Described<'_>) -> Value {
+    let record = light.record();
+    let mut json = summary.json();
+    json["slice_size_m"] = record.slice_size_m.into();
+    json["interior"] = describe::interior(light.interior());
+    json["encoding"] = ENCODING.into();
+    json["direction_world"] = json!(record.direction_world);
+    json["voxel_from_world"] = json!({
+        "origin": record.origin_world,
+        "linear": record.voxel_from_offset,
+        "offset": record.voxel_of_origin,
+    });
+    json
+}
+
+/// The one encoding of this version; the reader refuses others.
+const ENCODING: &str = "dag8";
+
+fn as_text(args: &Args, file: &ShadowFile, file_bytes: u64, lights: &[Described<'_>]) -> String {
+    let mut table = Table::default();
+    table.row("bytes", format!("{} ({})", bytes(file_bytes), count(file_bytes)));
+    for (kind, size) in file.sections() {
+        table.row(format!("section {}", kind_text(*kind)), format!("{} bytes", count(*size)));
+    }
+    if let Some(stats) = file.stats() {
+        table.row("triangles", describe::triangles_text(&stats));
+    }
+    let text = table.text(&args.file.display().to_string());
+    lights.iter().fold(text, |text, light| text + &light_text(light))
+}
+
+fn light_text((light, summary): &Described<'_>) -> String {
+    let record = light.record();
+    let [dx, dy, dz] = record.direction_world;
+    let [ox, oy, oz] = record.origin_world;
+    let mut table = summary.table();
+    table.row("slice size", describe::metres(record.slice_size_m));
+    table.row("interior", describe::interior_text(light.interior()));
+    table.row("encoding", ENCODING);
+    table.row("direction", format!("{dx:.6}, {dy:.6}, {dz:.6}"));
+    table.row("voxel =", format!("linear * (world - origin) + offset, origin {ox:.3}, {oy:.3}, {oz:.3}"));
+    for (row, offset) in record.voxel_from_offset.iter().zip(record.voxel_of_origin) {
+        let [x, y, z] = row;
+        table.row("", format!("[{x:14.6e} {y:14.6e} {z:14.6e}] + {offset:.3}"));
+    }
+    table.text(&format!("{} ({})", printable(light.name()), summary.kind))
+}
+
+fn kind_text(kind: [u8; 4]) -> String {
+    printable(&String::from_utf8_lossy(&kind))
+}

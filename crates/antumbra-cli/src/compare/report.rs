@@ -1,0 +1,118 @@
+//! A comparison in words and as JSON.
+
+use serde_json::{Value, json};
+
+use super::{CLASSIFIED_EVERY, Comparison, FARTHEST_TEXELS, LightComparison, Tally, Worst};
+use crate::table::{Table, count, percent, printable};
+
+impl Comparison {
+    /// For people: a table per light.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let tables = self.lights.iter().map(|light| {
+            let heading = format!("{}, in the air", printable(&light.name));
+            let air = light.air.table().text(&heading);
+            air + &light.surfaces.table().text(&format!("{}, on surfaces", printable(&light.name)))
+        });
+        tables.collect::<String>() + &self.verdict() + "\n"
+    }
+
+    /// One sentence.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let total = self.total();
+        let shares = format!(
+            "{} of {} points agree, {} differ inside solids, {} near edges",
+            count(total.agreeing),
+            count(total.samples),
+            count(total.undefined),
+            count(total.disagreeing - total.too_far)
+        );
+        match total.too_far {
+            0 => format!("ok: {shares}; no disagreement lies farther than one texel and one slice from a shadow's edge"),
+            n => format!("not ok: {shares}, and {} disagree far from any edge", count(n)),
+        }
+    }
+
+    /// For scripts.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let total = self.total();
+        json!({
+            "ok": total.too_far == 0,
+            "lights": self.lights.iter().map(LightComparison::json).collect::<Vec<_>>(),
+            "samples": total.samples,
+            "agreeing": total.agreeing,
+            "undefined": total.undefined,
+            "disagreeing": total.disagreeing,
+            "too_far": total.too_far,
+            "farthest_texels": texels_json(total.farthest_texels),
+            "classified_every": CLASSIFIED_EVERY,
+        })
+    }
+}
+
+impl LightComparison {
+    fn json(&self) -> Value {
+        json!({ "name": self.name, "air": self.air.json(), "surfaces": self.surfaces.json() })
+    }
+}
+
+impl Tally {
+    fn table(&self) -> Table {
+        let mut table = Table::default();
+        table.row("points", count(self.samples));
+        table.row("agree", format!("{} ({})", count(self.agreeing), percent(self.agreeing, self.samples)));
+        table.row("differ inside a solid", count(self.undefined));
+        table.row("differ elsewhere", count(self.disagreeing));
+        table.row("farthest from an edge", texels_text(self.farthest_texels));
+        table.row("lit", percent(self.lit, self.samples));
+        let of = format!("of every {CLASSIFIED_EVERY}th point");
+        let share = |part| format!("{} {of}", percent(part, self.classified));
+        table.row("robust", share(self.robust));
+        table.row("near an edge", share(self.near_edge));
+        table.row("inside a solid", share(self.inside));
+        self.worst.iter().for_each(|worst| drop(table.row("too far", worst.text())));
+        table
+    }
+
+    fn json(&self) -> Value {
+        let share = |part: u64| part as f64 / self.classified.max(1) as f64;
+        json!({
+            "samples": self.samples,
+            "agreeing": self.agreeing,
+            "undefined": self.undefined,
+            "disagreeing": self.disagreeing,
+            "too_far": self.too_far,
+            "farthest_texels": texels_json(self.farthest_texels),
+            "lit_share": self.lit as f64 / self.samples.max(1) as f64,
+            "classified": self.classified,
+            "robust_share": share(self.robust),
+            "near_edge_share": share(self.near_edge),
+            "inside_share": share(self.inside),
+            "worst": self.worst.iter().map(Worst::json).collect::<Vec<_>>(),
+        })
+    }
+}
+
+impl Worst {
+    fn text(&self) -> String {
+        let [x, y, z] = self.point_world.to_array();
+        let said = if self.bake_lit { "lit" } else { "shadowed" };
+        format!("{x:.6}, {y:.6}, {z:.6}: baked as {said}, {} from an edge", texels_text(self.texels))
+    }
+
+    fn json(&self) -> Value {
+        let point = self.point_world.to_array();
+        json!({ "point": point, "bake_lit": self.bake_lit, "texels": texels_json(self.texels) })
+    }
+}
+
+/// JSON has no infinity: `null` is farther than was looked for.
+fn texels_json(texels: f64) -> Value {
+    if texels.is_finite() { texels.into() } else { Value::Null }
+}
+
+fn texels_text(texels: f64) -> String {
+    if texels.is_finite() { format!("{texels} texels") } else { format!("more than {FARTHEST_TEXELS} texels") }
+}

@@ -1,0 +1,82 @@
+//! Which lights a bake is for.
+
+use anyhow::{Result, bail};
+use antumbra_scene::{Light, LightKind, Scene};
+use glam::DVec3;
+
+use crate::args::SunAngles;
+use crate::inputs::listed;
+
+/// Name of the light that `--sun` adds.
+pub const SUN: &str = "sun";
+
+/// Lux of a light that is added to a scene: the sun's on a clear day.
+const DAYLIGHT_LUX: f32 = 100_000.0;
+
+/// A white directional light.
+#[must_use]
+pub fn directional(name: &str, direction_world: DVec3) -> Light {
+    Light {
+        name: name.to_owned(),
+        kind: LightKind::Directional,
+        position_world: DVec3::ZERO,
+        direction_world,
+        color: [1.0; 3],
+        intensity: DAYLIGHT_LUX,
+        range_m: None,
+    }
+}
+
+/// Puts a light into a scene, in place of the one of its name or behind all others.
+pub fn put(scene: &mut Scene, light: Light) {
+    match scene.lights.iter_mut().find(|old| old.name == light.name) {
+        Some(old) => *old = light,
+        None => scene.lights.push(light),
+    }
+}
+
+/// The lights to bake, in the scene's order: those named and the added sun, or all directional ones. Says in
+/// `warnings` what was left out.
+pub fn choose(
+    scene: &mut Scene,
+    names: &[String],
+    sun: Option<SunAngles>,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Light>> {
+    if let Some(angles) = sun {
+        put(scene, directional(SUN, angles.direction_world()));
+    }
+    if !names.is_empty() {
+        return named(&scene.lights, names, sun.is_some());
+    }
+    let (chosen, local): (Vec<Light>, Vec<Light>) =
+        scene.lights.iter().cloned().partition(|light| light.kind == LightKind::Directional);
+    match (chosen.is_empty(), local.len()) {
+        (true, 0) => bail!("the scene has no light; add a directional one with --sun AZIMUTH,ELEVATION"),
+        (true, n) => bail!(
+            "the scene has no directional light but {n} spot and point light(s), which this version does not bake; \
+             add one with --sun AZIMUTH,ELEVATION"
+        ),
+        (false, 0) => {}
+        (false, n) => warnings
+            .push(format!("{n} spot and point light(s) are left out: this version bakes directional lights only")),
+    }
+    Ok(chosen)
+}
+
+fn named(lights: &[Light], names: &[String], with_sun: bool) -> Result<Vec<Light>> {
+    for name in names {
+        match lights.iter().find(|light| light.name == *name) {
+            None => bail!(
+                "the scene has no light \"{name}\" to bake; it has: {}",
+                listed(lights.iter().map(|light| light.name.as_str()))
+            ),
+            Some(light) if light.kind != LightKind::Directional => {
+                bail!("--light \"{name}\" is a spot or point light: this version bakes directional lights only")
+            }
+            Some(_) => {}
+        }
+    }
+    let wanted = |light: &&Light| names.contains(&light.name) || (with_sun && light.name == SUN);
+    Ok(lights.iter().filter(wanted).cloned().collect())
+}
