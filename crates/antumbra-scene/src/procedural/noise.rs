@@ -1,32 +1,18 @@
-//! Gradient noise with derivatives.
+//! Gradient noise.
 
 use glam::DVec2;
 
 use super::rng::mix;
 
-/// A value and its derivatives along x and z.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sample {
-    pub(crate) value: f64,
-    pub(crate) slope: DVec2,
-}
-
-/// Perlin's improved gradient noise (2002), about -1..1, with its analytic derivatives.
-pub(crate) fn gradient_noise(seed: u64, p: DVec2) -> Sample {
+/// Perlin's improved gradient noise (2002), about -1..1.
+pub(crate) fn gradient_noise(seed: u64, p: DVec2) -> f64 {
     let cell = p.floor();
     let f = p - cell;
-    let corner = |dx: f64, dz: f64| {
-        let g = gradient(seed, (cell.x + dx) as i64, (cell.y + dz) as i64);
-        (g, g.dot(f - DVec2::new(dx, dz)))
-    };
-    let ((ga, a), (gb, b), (gc, c), (gd, d)) = (corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0));
+    let corner =
+        |dx: f64, dz: f64| gradient(seed, (cell.x + dx) as i64, (cell.y + dz) as i64).dot(f - DVec2::new(dx, dz));
+    let (a, b, c, d) = (corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0));
     let u = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-    let du = 30.0 * f * f * (f * (f - 2.0) + 1.0);
-    let twist = a - b - c + d;
-    let value = a + u.x * (b - a) + u.y * (c - a) + u.x * u.y * twist;
-    let blended = ga + (gb - ga) * u.x + (gc - ga) * u.y + (ga - gb - gc + gd) * (u.x * u.y);
-    let slope = blended + du * DVec2::new(b - a + u.y * twist, c - a + u.x * twist);
-    Sample { value, slope }
+    a + u.x * (b - a) + u.y * (c - a) + u.x * u.y * (a - b - c + d)
 }
 
 /// A gradient of a lattice point: length about 1, any direction.
@@ -41,7 +27,7 @@ fn gradient(seed: u64, x: i64, z: i64) -> DVec2 {
 pub(crate) fn fractal_noise(seed: u64, p: DVec2, octaves: u64, gain: f64) -> f64 {
     let (mut sum, mut amplitude, mut at) = (0.0, 1.0, p);
     for octave in 0..octaves {
-        sum += amplitude * gradient_noise(seed.wrapping_add(octave), at).value;
+        sum += amplitude * gradient_noise(seed.wrapping_add(octave), at);
         amplitude *= gain;
         at = rotated(at) * 2.0;
     }

@@ -1,5 +1,7 @@
 //! The paints that procedural scenes share: a few harmonious families, told apart by small steps.
 
+use glam::DVec3;
+
 use crate::model::Material;
 
 macro_rules! palette {
@@ -70,13 +72,15 @@ pub(crate) fn materials() -> Vec<Material> {
 
 /// An opaque material of one sRGB colour.
 pub(crate) fn material(name: &str, rgb: u32, metallic: f32, roughness: f32) -> Material {
-    let channel = |shift: u32| linear_from_srgb((rgb >> shift) & 0xff);
-    let base_color = [channel(16), channel(8), channel(0), 1.0];
-    Material { name: name.to_owned(), base_color, metallic, roughness, ..Material::default() }
+    let [r, g, b] = linear_color(rgb).to_array().map(|v| v as f32);
+    Material { name: name.to_owned(), base_color: [r, g, b, 1.0], metallic, roughness, ..Material::default() }
 }
 
-fn linear_from_srgb(byte: u32) -> f32 {
-    let c = f64::from(byte) / 255.0;
-    let linear = if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) };
-    linear as f32
+/// A colour written 0xrrggbb in sRGB, made linear.
+pub(crate) fn linear_color(rgb: u32) -> DVec3 {
+    let channel = |shift: u32| {
+        let c = f64::from((rgb >> shift) & 0xff) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
+    };
+    DVec3::new(channel(16), channel(8), channel(0))
 }

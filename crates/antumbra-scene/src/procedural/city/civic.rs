@@ -142,7 +142,7 @@ pub(crate) fn cathedral(b: &mut Builder, size: DVec2) {
     buttresses(b, nave, eaves);
     for side in [-1.0, 1.0] {
         b.within(DVec3::new(side * nave.x * 0.62, 0.0, nave.y * 0.5), Turn::NONE, |b| {
-            west_tower(b, &gothic, nave.x * 0.56, eaves)
+            west_tower(b, &gothic, nave.x * 0.56, eaves);
         });
     }
 }
@@ -178,9 +178,6 @@ pub(crate) fn stadium(b: &mut Builder, size: DVec2) {
     let outer = size * 0.47;
     let ring = |grow: f64, y: f64| ellipse(DVec2::ZERO, y, outer - DVec2::splat(grow), SIDES);
     let shell = |b: &mut Builder, paint: Paint, profile: &[(f64, f64)]| {
-        for pair in profile.windows(2) {
-            let _ = pair;
-        }
         let sections: Vec<_> =
             (0..SIDES).map(|i| profile.iter().map(|&(grow, y)| ring(grow, y)[i]).collect()).collect();
         b.loop_loft(paint, Shading::Flat, &sections);

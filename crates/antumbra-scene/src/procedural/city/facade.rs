@@ -43,7 +43,7 @@ impl Facade {
     /// Stone or brick with a window in each bay.
     pub(crate) fn masonry(rng: &mut Rng) -> Self {
         let wall = if rng.chance(0.55) { rng.pick(&STONES) } else { rng.pick(&BRICKS) };
-        let bay = rng.range(3.1, 4.1);
+        let bay = rng.range(3.2, 4.3);
         Self {
             glass: Paint::GlassDark,
             wall,

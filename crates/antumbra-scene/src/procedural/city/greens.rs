@@ -18,7 +18,7 @@ pub(crate) fn pavement(b: &mut Builder, paint: Paint, size: DVec2) {
 /// Trees and lamps along the kerbs of a block.
 pub(crate) fn kerb(b: &mut Builder, rng: &mut Rng, size: DVec2, trees: f64) {
     for (axis, side) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
-        let count = (size[axis] / 9.0) as usize;
+        let count = (size[axis] / 10.0) as usize;
         for i in 1..count {
             let mut at = DVec2::ZERO;
             at[axis] = size[axis] * (i as f64 / count as f64 - 0.5);

@@ -140,7 +140,7 @@ impl Axis {
         let origin = at * 0.5;
         spans.iter_mut().for_each(|s| *s = (s.0 - origin, s.1 - origin));
         streets.iter_mut().for_each(|s| s.middle -= origin);
-        let main = streets.get(middle.wrapping_sub(1)).map_or(0.0, |s| s.middle);
+        let main = streets.get(middle.wrapping_sub(1)).map_or(-origin - MARGIN_M * 0.5, |s| s.middle);
         Self { spans, streets, main }
     }
 

@@ -40,24 +40,23 @@ pub(crate) fn build(options: &Options) -> Scene {
         city.block(block, block.tag == center);
     }
     city.scene.materials = palette::materials();
-    city.scene.lights = vec![sun(143.0, 36.0)];
+    city.scene.lights = vec![sun(148.0, 36.0)];
     city.scene.cameras = cameras(&plan);
     city.scene
 }
 
+/// Cameras stand where nothing is built: high up, over the river, over a street.
 fn cameras(plan: &Plan) -> Vec<Camera> {
-    let at = |x: f64, y: f64, z: f64| DVec3::new(x * plan.half.x, y * plan.half.x, z * plan.half.y);
-    let avenue = |streets: &[layout::Street]| streets.iter().find(|s| s.is_avenue()).map_or(0.0, |s| s.middle);
-    let west = avenue(&plan.meridians);
+    // A city of a few blocks is as tall as a big one: stay back as far as for half a kilometre.
+    let reach = plan.half.max(DVec2::splat(260.0));
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x * reach.x, y * reach.x, z * reach.y);
+    let west = plan.meridians.iter().find(|s| s.is_avenue()).map_or(plan.main_x, |s| s.middle);
+    let water = plan.river.map_or(1.25, |_| 0.57);
+    let mid_avenue = DVec3::new(plan.main_x, 2.2, plan.half.y * 0.36);
     vec![
-        camera("overview", at(-0.56, 0.40, 1.18), at(0.05, 0.035, 0.0), 33.0),
-        camera("skyline", at(-0.42, 0.025, 0.57), at(0.16, 0.10, 0.0), 46.0),
-        camera(
-            "street",
-            DVec3::new(plan.main_x, 2.2, plan.half.y * 0.36),
-            DVec3::new(plan.main_x, 14.0, -plan.half.y),
-            58.0,
-        ),
+        camera("overview", at(-0.56, 0.40, 1.18), at(0.05, 0.045, 0.0), 34.0),
+        camera("skyline", at(-0.42, 0.025, water), at(0.16, 0.10, 0.0), 46.0),
+        camera("street", mid_avenue, DVec3::new(plan.main_x, 14.0, -plan.half.y), 58.0),
         camera("rooftops", DVec3::new(west, 46.0, plan.half.y * 0.1), at(0.15, 0.06, -0.1), 48.0),
     ]
 }
@@ -108,7 +107,7 @@ impl City {
                 self.add("bridge", DVec2::ZERO, Turn::NONE, |b, _| streets::cable_bridge(b, street.middle, span));
             } else {
                 self.add("bridge", DVec2::ZERO, Turn::NONE, |b, _| {
-                    streets::arch_bridge(b, street.middle, span, street.width - 2.0)
+                    streets::arch_bridge(b, street.middle, span, street.width - 2.0);
                 });
             }
         }
@@ -172,7 +171,10 @@ impl City {
             Use::OldTown if inner.min_element() > 40.0 => self.terraces(block, inner),
             Use::Estate => self.estate(block, inner),
             _ if tallest => {
-                self.add("spire", at, Turn::NONE, |b, _| towers::spire(b, inner.min(DVec2::splat(68.0)), 238.0))
+                self.add("spire", at, Turn::NONE, |b, rng| {
+                    towers::spire(b, inner.min(DVec2::splat(68.0)), 238.0);
+                    greens::kerb(b, rng, inner, 0.9);
+                });
             }
             _ => self.lots(block, inner),
         }
@@ -235,7 +237,7 @@ impl City {
         let quarters = lot.quarters();
         let extent = lot.max - lot.min;
         let gap = DVec2::splat(rng.range(1.2, 3.2));
-        let size = if quarters % 2 == 0 { extent } else { extent.yx() } - gap;
+        let size = if quarters.is_multiple_of(2) { extent } else { extent.yx() } - gap;
         let middle = (lot.min + lot.max) * 0.5;
         let offset = turn.apply(DVec3::new(middle.x, 0.0, middle.y));
         let at = block.center() + DVec2::new(offset.x, offset.z);
@@ -260,6 +262,9 @@ impl City {
             2 => towers::twins(b, rng, size, height),
             _ => towers::deco(b, rng, plan, height),
         });
+        if (size - plan).min_element() > 14.0 {
+            self.add("plaza", at, facing, |b, rng| greens::kerb(b, rng, size - DVec2::splat(2.0), 0.85));
+        }
     }
 
     /// Houses all round a block, with trees in the courtyard.
@@ -282,11 +287,11 @@ impl City {
         if long < 6.0 {
             return;
         }
-        let count = (long / 17.0).round().max(1.0) as usize;
+        let count = (long / 19.5).round().max(1.0) as usize;
         let base = (block.height / 3.4) as usize;
         for i in 0..count {
             let x = long * ((i as f64 + 0.5) / count as f64 - 0.5);
-            let storeys = base - 1 + rng.index(3);
+            let storeys = base - 1 + rng.index(5) / 2;
             let size = DVec2::new(long / count as f64 + 0.08, 12.0 + rng.range(-0.3, 0.3));
             let offset = turn.apply(DVec3::new(x, 0.0, out + rng.range(-0.25, 0.25)));
             let at = block.center() + DVec2::new(offset.x, offset.z);

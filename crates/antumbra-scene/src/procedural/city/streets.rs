@@ -101,9 +101,9 @@ pub(crate) fn traffic(b: &mut Builder, rng: &mut Rng, stretch: &Stretch) {
     b.within(DVec3::new(middle.x, 0.0, middle.y), turn, |b| {
         markings(b, stretch.width, long, avenue);
         let lanes: &[f64] = if avenue { &[-7.4, -3.9, 3.9, 7.4] } else { &[-1.9, 1.9] };
-        let mut lanes: Vec<_> = lanes.iter().map(|&x| (x, 38.0)).collect();
+        let mut lanes: Vec<_> = lanes.iter().map(|&x| (x, 44.0)).collect();
         let kerb = stretch.width * 0.5 - 1.2;
-        lanes.extend([(-kerb, 24.0), (kerb, 24.0)]);
+        lanes.extend([(-kerb, 28.0), (kerb, 28.0)]);
         for (x, gap) in lanes {
             let mut z = -long * 0.5 + rng.range(5.0, 5.0 + gap);
             while z < long * 0.5 - 5.0 {

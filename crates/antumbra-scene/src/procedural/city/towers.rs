@@ -12,7 +12,7 @@ use crate::procedural::solids::{Builder, Shading, Turn, circle, octagon, rectang
 pub(crate) fn tower(b: &mut Builder, rng: &mut Rng, size: DVec2, height: f64) {
     let slender = size.min_element() < 0.62 * size.max_element();
     match rng.index(12) {
-        0 | 1 | 2 => deco(b, rng, size, height),
+        0..=2 => deco(b, rng, size, height),
         3 if !slender => round(b, rng, size, height),
         4 if !slender && height > 70.0 => twisted(b, rng, size, height),
         5 if !slender && height > 60.0 => tapered(b, rng, size, height),

@@ -131,6 +131,6 @@ pub(crate) fn crane(b: &mut Builder, paint: Paint) {
     b.strut(Paint::Steel, tip, DVec3::new(0.0, 8.0, 26.0), 0.08, 4);
     b.pillar(Paint::BrickBrown, DVec2::new(0.0, 26.0), DVec2::new(2.4, 6.0), 5.6, 8.2);
     b.within(DVec3::ZERO, Turn::NONE, |b| {
-        b.pillar(Paint::Concrete, DVec2::new(0.0, -3.0), DVec2::new(3.0, 2.4), 11.6, 14.4)
+        b.pillar(Paint::Concrete, DVec2::new(0.0, -3.0), DVec2::new(3.0, 2.4), 11.6, 14.4);
     });
 }

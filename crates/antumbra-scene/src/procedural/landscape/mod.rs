@@ -1,19 +1,21 @@
 //! The landscape: mountains over a lake plain, one closed solid of about two million triangles.
 //!
-//! A height field on a square grid gets a skirt down to a flat bottom. Its triangles are sorted by height and slope
-//! into primitives with a material each; shared edges keep the bits of their positions, so that the mesh as a whole is
+//! A height field on a square grid gets a skirt down to a flat bottom. Ground, lake and skirt are primitives of their
+//! own; shared edges keep the bits of their positions, so that the mesh as a whole is
 //! closed.
 
+mod cover;
+mod rivers;
 mod terrain;
 
 use glam::{DAffine3, DVec3};
 
-use self::terrain::Terrain;
+use self::cover::Cover;
+use self::terrain::{LAKE_M, Terrain};
 use super::Options;
-use super::noise::fractal_noise;
 use super::palette::material;
 use super::view::{camera, sun};
-use crate::model::{Camera, Material, Mesh, Node, Primitive, Scene};
+use crate::model::{Camera, Mesh, Node, Primitive, Scene};
 
 /// Side of the square, metres.
 const SIDE_M: f64 = 6000.0;
@@ -22,51 +24,43 @@ const BOTTOM_M: f64 = -260.0;
 /// Quads per side at scale 1.
 const QUADS: f64 = 1000.0;
 
-/// (name, sRGB colour, roughness), in the order that [`Cover`] numbers them.
-const COVERS: [(&str, u32, f32); 11] = [
-    ("lake", 0x4b7688, 0.08),
-    ("shore", 0xc9b68c, 0.95),
-    ("meadow", 0x8f9c55, 1.0),
-    ("pasture", 0x7b8c4c, 1.0),
-    ("forest", 0x56703d, 1.0),
-    ("dark forest", 0x465f38, 1.0),
-    ("heath", 0x8b8559, 1.0),
-    ("scree", 0xa29883, 1.0),
-    ("rock", 0x8a8176, 0.95),
-    ("snow", 0xf2f4f6, 0.7),
-    ("earth", 0x7d684e, 1.0),
-];
-const EARTH: usize = COVERS.len() - 1;
+/// The materials' places in [`Scene::materials`].
+const GROUND: usize = 0;
+const LAKE: usize = 1;
+const EARTH: usize = 2;
 
 /// Builds the landscape.
 pub(crate) fn build(options: &Options) -> Scene {
     let quads = (QUADS * options.scale).round() as usize;
     let terrain = Terrain::new(options.seed);
     let grid = Grid::new(&terrain, quads);
-    let mesh = Mesh { name: "landscape".to_owned(), primitives: grid.primitives(options.seed) };
+    let mesh = Mesh { name: "landscape".to_owned(), primitives: grid.primitives(&Cover::new(&terrain, options.seed)) };
     let node = Node { name: "landscape".to_owned(), mesh: 0, world_from_mesh: DAffine3::IDENTITY, dynamic: false };
     Scene {
         name: "landscape".to_owned(),
         meshes: vec![mesh],
         nodes: vec![node],
-        materials: covers(),
-        lights: vec![sun(236.0, 36.0)],
+        materials: vec![
+            material("ground", 0xffffff, 0.0, 1.0),
+            material("lake", 0x4b7688, 0.0, 0.08),
+            material("earth", 0x7d684e, 0.0, 1.0),
+        ],
+        lights: vec![sun(262.0, 32.0)],
         cameras: cameras(&terrain),
         ..Scene::default()
     }
 }
 
-fn covers() -> Vec<Material> {
-    COVERS.iter().map(|&(name, rgb, roughness)| material(name, rgb, 0.0, roughness)).collect()
-}
-
 fn cameras(terrain: &Terrain) -> Vec<Camera> {
     let over = |x: f64, z: f64, above: f64| DVec3::new(x, terrain.height(x, z) + above, z);
+    let (summit, [mouth, head]) = (terrain.summit(), terrain.valley(110.0, 400.0));
+    let back = DVec3::new(-summit.x, 0.0, -summit.z).normalize();
+    let perch = summit - back * 260.0;
     vec![
-        camera("overview", DVec3::new(-2900.0, 1500.0, 3900.0), DVec3::new(150.0, 120.0, -250.0), 42.0),
-        camera("valley", over(-1500.0, 1900.0, 60.0), over(600.0, -900.0, 60.0), 48.0),
-        camera("ridge", over(1500.0, 300.0, 160.0), over(-900.0, -1500.0, 0.0), 50.0),
-        camera("lake", over(-2300.0, 1000.0, 25.0), over(900.0, -300.0, 150.0), 45.0),
+        camera("overview", DVec3::new(-2350.0, 820.0, 3150.0), DVec3::new(0.0, 140.0, -100.0), 40.0),
+        camera("valley", mouth + DVec3::Y * 230.0, head + DVec3::Y * 40.0, 52.0),
+        camera("ridge", over(perch.x, perch.z, 150.0), over(-1000.0, 1000.0, 0.0), 55.0),
+        camera("lake", over(-2000.0, 1950.0, 45.0), over(300.0, -300.0, 40.0), 42.0),
     ]
 }
 
@@ -101,15 +95,23 @@ impl Grid {
         along_z.cross(along_x).normalize()
     }
 
-    fn primitives(&self, seed: u64) -> Vec<Primitive> {
-        let mut by_cover = vec![Vec::new(); COVERS.len()];
-        for triangle in self.triangles() {
-            by_cover[self.cover(seed, triangle)].push(triangle);
+    fn primitives(&self, cover: &Cover<'_>) -> Vec<Primitive> {
+        let (lake, ground): (Vec<_>, Vec<_>) = self.triangles().partition(|t| self.is_lake(*t));
+        let mut ground = self.surface(GROUND, &ground);
+        let vertices = ground.positions.iter().zip(&ground.normals);
+        ground.colors = vertices
+            .map(|(p, n)| cover.color(p.map(f64::from).into(), n.map(f64::from).into()).extend(1.0))
+            .map(|c| c.to_array().map(|v| v as f32))
+            .collect();
+        let mut primitives = vec![ground, self.underside()];
+        if !lake.is_empty() {
+            primitives.push(self.surface(LAKE, &lake));
         }
-        let used = by_cover.iter().enumerate().filter(|(_, triangles)| !triangles.is_empty());
-        let mut primitives: Vec<_> = used.map(|(cover, triangles)| self.surface(cover, triangles)).collect();
-        primitives.push(self.underside());
         primitives
+    }
+
+    fn is_lake(&self, triangle: [u32; 3]) -> bool {
+        triangle.iter().all(|&i| self.positions[i as usize].y <= LAKE_M)
     }
 
     /// Quads split along alternating diagonals.
@@ -122,18 +124,10 @@ impl Grid {
         })
     }
 
-    fn cover(&self, seed: u64, triangle: [u32; 3]) -> usize {
-        let [a, b, c] = triangle.map(|i| self.positions[i as usize]);
-        let center = (a + b + c) / 3.0;
-        let normal = (b - a).cross(c - a).normalize();
-        let mottle = fractal_noise(seed ^ 0x51, glam::DVec2::new(center.x, center.z) / 260.0, 4, 0.6);
-        terrain::cover(center.y, normal, mottle)
-    }
-
     /// One material's triangles, with their own vertices.
-    fn surface(&self, cover: usize, triangles: &[[u32; 3]]) -> Primitive {
+    fn surface(&self, material: usize, triangles: &[[u32; 3]]) -> Primitive {
         let mut own = vec![u32::MAX; self.positions.len()];
-        let mut primitive = Primitive { material: Some(cover), ..Primitive::default() };
+        let mut primitive = Primitive { material: Some(material), ..Primitive::default() };
         for triangle in triangles {
             let moved = triangle.map(|i| {
                 let own = &mut own[i as usize];

@@ -1,116 +1,177 @@
-//! The terrain's shape and what grows on it.
+//! The terrain's shape.
 //!
-//! The mountains are a sum of octaves of gradient noise in which each octave counts for less the steeper the sum of
-//! the coarser ones is (Quilez 2008, "Value noise derivatives"): slopes turn smooth and crests sharp, as erosion leaves
-//! them. A ridged multifractal (Musgrave, Kolb and Mace 1989) sharpens the high ground, and a valley with a lake is
-//! worn into both.
+//! A plain with a lake lies in the south-west; the ground north and east of it rises for ages while rivers cut it back
+//! to the plain (see [`super::rivers`]). That happens on a coarse grid, which is then interpolated; noise that grows
+//! with height and slope adds the rock's own roughness.
 
 use glam::{DVec2, DVec3};
 
+use super::SIDE_M;
+use super::rivers::{Ground, Rivers};
 use crate::procedural::noise::{fractal_noise, gradient_noise, rotated, smoothstep};
 
 /// The lake's level; the terrain does not go below.
-const LAKE_M: f64 = 0.0;
+pub(crate) const LAKE_M: f64 = 0.0;
+/// Cells per side of the grid on which rivers run.
+const CELLS: usize = 384;
+/// Steps of uplift and erosion.
+const STEPS: usize = 110;
+/// Height of the highest summit before roughness.
+const SUMMIT_M: f64 = 1050.0;
 
-/// A height for every point of the plane.
+/// A height for every point of the square.
 pub(crate) struct Terrain {
     seed: u64,
+    heights: Vec<f64>,
+    drained_m2: Vec<f64>,
 }
 
 impl Terrain {
     pub(crate) fn new(seed: u64) -> Self {
-        Self { seed }
+        let shape = Shape { seed };
+        let ground: Vec<_> = (0..CELLS * CELLS).map(|i| shape.ground(place(i))).collect();
+        let start = (0..CELLS * CELLS).map(|i| shape.start(place(i))).collect();
+        let mut rivers = Rivers::new(CELLS, SIDE_M / (CELLS - 1) as f64, start);
+        (0..STEPS).for_each(|_| rivers.step(&ground));
+        let highest = rivers.heights.iter().fold(1.0_f64, |a, &h| a.max(h));
+        let heights = rivers.heights.iter().map(|h| if *h > 0.0 { h * SUMMIT_M / highest } else { *h }).collect();
+        Self { seed, heights, drained_m2: rivers.drained_m2 }
     }
 
     /// Height, metres.
     pub(crate) fn height(&self, x: f64, z: f64) -> f64 {
         let p = DVec2::new(x, z);
-        let warp = DVec2::new(self.noise(1, p / 1300.0, 3), self.noise(2, p / 1300.0, 3));
-        let q = p + warp * 240.0;
-        let upland = self.upland(q);
-        let eroded = 0.5 + 0.5 * self.eroded(q / 1500.0);
-        let ridged = self.ridged(q / 1900.0);
-        let mountains = upland * (170.0 + 330.0 * eroded + 560.0 * ridged * upland);
-        let plain = 26.0 * self.noise(3, p / 700.0, 5) + 30.0;
-        let land = plain * (1.0 - upland) + mountains;
-        (land - self.basin(q)).max(LAKE_M)
+        // A small warp hides the eight directions of the river grid.
+        let warp = |stream: u64| 16.0 * fractal_noise(self.seed ^ stream, p / 170.0, 3, 0.5);
+        let q = p + DVec2::new(warp(0xa1), warp(0xa2));
+        let (coarse, slope) = sampled(&self.heights, q);
+        let rough = 1.5 + 15.0 * smoothstep(0.1, 0.8, slope) + 8.0 * smoothstep(400.0, 900.0, coarse);
+        let swell = 9.0 * fractal_noise(self.seed ^ 0xb0, p / 420.0, 3, 0.5) * smoothstep(4.0, 40.0, coarse);
+        (coarse + swell + rough * self.rock(p) * smoothstep(0.0, 25.0, coarse)).max(LAKE_M)
     }
 
-    fn noise(&self, stream: u64, p: DVec2, octaves: u64) -> f64 {
-        fractal_noise(self.seed.wrapping_mul(31).wrapping_add(stream * 1000), p, octaves, 0.5)
+    /// How steep the ground is without its roughness, rise over run.
+    pub(crate) fn slope(&self, p: DVec2) -> f64 {
+        sampled(&self.heights, p).1
     }
 
-    /// 0 on the plain in the south-west, 1 in the mountains of the north and east.
-    fn upland(&self, p: DVec2) -> f64 {
-        let across = (p.x * 0.55 - p.y * 0.83) / 3000.0;
-        smoothstep(-0.55, 0.75, across + 0.28 * self.noise(4, p / 1700.0, 2)) * (1.0 - 0.8 * self.valley(p))
+    /// The highest summit.
+    pub(crate) fn summit(&self) -> DVec3 {
+        self.ground_at(self.best(|i| self.heights[i]))
     }
 
-    /// 1 along a winding line from the plain into the mountains, 0 away from it.
-    fn valley(&self, p: DVec2) -> f64 {
-        let bend = 420.0 * gradient_noise(self.seed ^ 0x77, DVec2::new(p.y / 1500.0, 0.5)).value;
-        let away = (p.x - 250.0 + 0.35 * p.y - bend).abs();
-        1.0 - smoothstep(60.0, 620.0 + 0.05 * p.y, away)
-    }
-
-    /// How much the lake's basin lies below its surroundings.
-    fn basin(&self, p: DVec2) -> f64 {
-        let away = ((p - DVec2::new(-900.0, 900.0)) / DVec2::new(1250.0, 800.0)).length();
-        let shore = 0.35 * self.noise(5, p / 900.0, 4);
-        110.0 * (1.0 - smoothstep(0.35, 1.15, away + shore))
-    }
-
-    fn eroded(&self, p: DVec2) -> f64 {
-        let (mut sum, mut slope, mut amplitude, mut at) = (0.0, DVec2::ZERO, 1.0, p);
-        for octave in 0..9 {
-            let sample = gradient_noise(self.seed.wrapping_mul(17).wrapping_add(octave), at);
-            slope += sample.slope;
-            sum += amplitude * sample.value / (1.0 + slope.length_squared());
-            amplitude *= 0.5;
-            at = rotated(at) * 2.0;
+    /// The greatest valley: a point of its river for each of two heights.
+    pub(crate) fn valley(&self, low: f64, high: f64) -> [DVec3; 2] {
+        let mouth = self.best(|i| if (low..1.5 * low).contains(&self.heights[i]) { self.drained_m2[i] } else { 0.0 });
+        let mut head = mouth;
+        while self.heights[head] < high {
+            let Some(next) = self.upstream(head) else { break };
+            head = next;
         }
-        sum
+        [mouth, head].map(|i| self.ground_at(i))
     }
 
-    fn ridged(&self, p: DVec2) -> f64 {
-        let (mut sum, mut weight, mut amplitude, mut at) = (0.0, 1.0, 0.55, p);
-        for octave in 0..8 {
-            let ridge = 1.0 - gradient_noise(self.seed.wrapping_mul(13).wrapping_add(900 + octave), at).value.abs();
-            let signal = ridge * ridge * weight;
-            sum += amplitude * signal;
-            weight = (signal * 1.6).clamp(0.0, 1.0);
-            amplitude *= 0.48;
+    /// The higher neighbour that brings the most water.
+    fn upstream(&self, i: usize) -> Option<usize> {
+        let (x, z) = (i % CELLS, i / CELLS);
+        let around = |at: usize| at.saturating_sub(1)..=(at + 1).min(CELLS - 1);
+        around(z)
+            .flat_map(|z| around(x).map(move |x| z * CELLS + x))
+            .filter(|&k| self.heights[k] > self.heights[i])
+            .max_by(|&a, &b| self.drained_m2[a].total_cmp(&self.drained_m2[b]))
+    }
+
+    /// The cell with the greatest merit, away from the borders.
+    fn best(&self, merit: impl Fn(usize) -> f64) -> usize {
+        let inner = CELLS / 10..CELLS - CELLS / 10;
+        let cells = inner.clone().flat_map(|z| inner.clone().map(move |x| z * CELLS + x));
+        cells.max_by(|&a, &b| merit(a).total_cmp(&merit(b))).unwrap_or(0)
+    }
+
+    fn ground_at(&self, cell: usize) -> DVec3 {
+        let p = place(cell);
+        DVec3::new(p.x, self.height(p.x, p.y), p.y)
+    }
+
+    /// Ridged noise about 0: sharp edges upward, as of broken rock.
+    fn rock(&self, p: DVec2) -> f64 {
+        let (mut sum, mut amplitude, mut at) = (0.0, 1.0, p / 210.0);
+        for octave in 0..5 {
+            sum += amplitude * (0.4 - gradient_noise(self.seed.wrapping_mul(13).wrapping_add(octave), at).abs());
+            amplitude *= 0.52;
             at = rotated(at) * 2.03;
         }
         sum
     }
 }
 
-/// The cover of a triangle: an index into the landscape's materials, in the order lake, shore, meadow, pasture,
-/// forest, dark forest, heath, scree, rock, snow.
-pub(crate) fn cover(height: f64, normal: DVec3, mottle: f64) -> usize {
-    let flat = normal.y;
-    let above = height - LAKE_M;
-    if above <= 0.0 {
-        return 0;
+/// Where a cell of the river grid lies.
+fn place(cell: usize) -> DVec2 {
+    (DVec2::new((cell % CELLS) as f64, (cell / CELLS) as f64) / (CELLS - 1) as f64 - 0.5) * SIDE_M
+}
+
+/// Interpolates a grid by uniform cubic B-splines: the value and the slope's length.
+fn sampled(grid: &[f64], p: DVec2) -> (f64, f64) {
+    let last = (CELLS - 1) as f64;
+    let at = ((p / SIDE_M + 0.5) * last).clamp(DVec2::ZERO, DVec2::splat(last));
+    let cell = at.floor();
+    let (wx, dx) = spline(at.x - cell.x);
+    let (wz, dz) = spline(at.y - cell.y);
+    let (mut value, mut slope) = (0.0, DVec2::ZERO);
+    for k in 0..4 {
+        let row = (cell.y as usize + k).saturating_sub(1).min(CELLS - 1) * CELLS;
+        let (mut along, mut change) = (0.0, 0.0);
+        for i in 0..4 {
+            let h = grid[row + (cell.x as usize + i).saturating_sub(1).min(CELLS - 1)];
+            along += wx[i] * h;
+            change += dx[i] * h;
+        }
+        value += wz[k] * along;
+        slope += DVec2::new(wz[k] * change, dz[k] * along);
     }
-    if above < 5.0 + 2.0 * mottle && flat > 0.95 {
-        return 1;
+    (value, slope.length() * last / SIDE_M)
+}
+
+/// Weights of four neighbours and their derivatives.
+fn spline(t: f64) -> ([f64; 4], [f64; 4]) {
+    let (s, t2, t3) = (1.0 - t, t * t, t * t * t);
+    let weights = [s * s * s, 3.0 * t3 - 6.0 * t2 + 4.0, -3.0 * t3 + 3.0 * t2 + 3.0 * t + 1.0, t3];
+    let slopes = [-s * s, 3.0 * t2 - 4.0 * t, -3.0 * t2 + 2.0 * t + 1.0, t2];
+    (weights.map(|w| w / 6.0), slopes.map(|w| w * 0.5))
+}
+
+/// The plan: where the ground rises, and where the lake is.
+struct Shape {
+    seed: u64,
+}
+
+impl Shape {
+    fn noise(&self, stream: u64, p: DVec2, octaves: u64) -> f64 {
+        fractal_noise(self.seed.wrapping_mul(31).wrapping_add(stream * 1000), p, octaves, 0.5)
     }
-    let snow_line = 620.0 + 90.0 * mottle;
-    if above > snow_line && flat > 0.62 {
-        return 9;
+
+    /// 0 on the plain, 1 where the mountains rise fastest.
+    fn upland(&self, p: DVec2) -> f64 {
+        let away = ((p - DVec2::new(-1250.0, 1350.0)) / 1000.0).length() - 1.15;
+        let warped = away + 0.55 * self.noise(4, p / 1600.0, 3);
+        smoothstep(0.0, 1.5, warped)
     }
-    if flat < 0.66 + 0.06 * mottle {
-        return 8;
+
+    fn ground(&self, p: DVec2) -> Ground {
+        let upland = self.upland(p);
+        let massif = 0.75 + 0.5 * self.noise(6, p / 1500.0, 2);
+        Ground {
+            uplift_m: 9.0 * upland * massif.max(0.2),
+            softness: (1.0 + 0.55 * self.noise(7, p / 500.0, 3)).max(0.3),
+            repose: 0.75 + 0.35 * self.noise(8, p / 400.0, 3),
+        }
     }
-    if flat < 0.78 + 0.05 * mottle || above > 520.0 + 80.0 * mottle {
-        return 7;
-    }
-    match above + 110.0 * mottle {
-        h if h < 55.0 => 2 + usize::from(mottle > 0.1),
-        h if h < 210.0 => 4 + usize::from(mottle > 0.0),
-        h if h < 330.0 => 5,
-        _ => 6,
+
+    /// The ground before the first step: the lake's basin, and bumps that give the first brooks their course.
+    fn start(&self, p: DVec2) -> f64 {
+        let away = ((p - DVec2::new(-1150.0, 1250.0)) / DVec2::new(900.0, 640.0)).length();
+        let basin = 1.0 - smoothstep(0.55, 1.25, away + 0.4 * self.noise(5, p / 800.0, 4));
+        13.0 + 13.0 * self.noise(3, p / 700.0, 4) + 40.0 * self.upland(p) * (1.0 + self.noise(9, p / 250.0, 4))
+            - 45.0 * basin
     }
 }
