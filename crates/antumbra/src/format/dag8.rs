@@ -72,14 +72,23 @@ pub fn child_code(header: u32, i: u32) -> u32 {
 #[inline]
 #[must_use]
 pub fn child_slot(header: u32, i: u32) -> usize {
-    (header & 0xaaaa & ((1u32 << (2 * i)) - 1)).count_ones() as usize
+    count_mixed(header & ((1u32 << (2 * i)) - 1)) as usize
+}
+
+/// Number of mixed children in a header without impossible codes. Adds up in place: quicker than a population count
+/// where the processor has no instruction for it, and never more than 8.
+#[inline]
+fn count_mixed(header: u32) -> u32 {
+    let ones = (header >> 1) & 0x5555;
+    let pairs = (ones & 0x3333) + ((ones >> 2) & 0x3333);
+    ((pairs * 0x1111) >> 12) & 0xf
 }
 
 /// Number of references that follow a header.
 #[inline]
 #[must_use]
 pub fn reference_count(header: u32) -> usize {
-    (header & 0xaaaa).count_ones() as usize
+    count_mixed(header) as usize
 }
 
 /// Reads the pool's own header. Every later index into the three parts lies within the pool.

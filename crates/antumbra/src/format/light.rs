@@ -183,7 +183,9 @@ impl LightRecord {
     /// Voxel coordinates of a world point (real-valued: floor them for the voxel's indices).
     #[must_use]
     pub fn voxel_from_world(&self, world: DVec3) -> DVec3 {
-        self.linear() * (world - DVec3::from_array(self.origin_world)) + DVec3::from_array(self.voxel_of_origin)
+        let offset = world - DVec3::from_array(self.origin_world);
+        let row = |i: usize| DVec3::from_array(self.voxel_from_offset[i]).dot(offset) + self.voxel_of_origin[i];
+        DVec3::new(row(0), row(1), row(2))
     }
 
     /// The same with every field in little-endian order.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::filter::Filter;
+use super::many;
 use super::pcf;
 use super::point::is_lit;
 use super::top_grid::TopGrid;
@@ -64,6 +65,14 @@ impl<'a> LightShadow<'a> {
     #[must_use]
     pub fn visibility(self, point_world: DVec3) -> f32 {
         self.voxel_visibility(self.voxel_from_world(point_world))
+    }
+
+    /// [`LightShadow::visibility`] of many points: the same answers, two to three times as many per second, because
+    /// several descents run side by side. Writes as many answers as both slices have room for.
+    pub fn visibility_many(self, points_world: &[DVec3], visibility: &mut [f32]) {
+        let side = self.record().resolution();
+        let voxels = points_world.iter().map(|p| clamp_to_volume(self.voxel_from_world(*p), side));
+        many::visibility(&self.file.pool, self.top_grid(), voxels, visibility);
     }
 
     /// Visibility at real-valued voxel coordinates.

@@ -7,6 +7,7 @@
 
 pub mod filter;
 pub mod light;
+pub(crate) mod many;
 pub(crate) mod pcf;
 pub(crate) mod point;
 pub(crate) mod top_grid;
