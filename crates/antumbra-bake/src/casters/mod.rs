@@ -112,8 +112,8 @@ impl<'a> Casters<'a> {
             (lone::Place::Lone, Inverted::Open) => Verdict::Open,
             (lone::Place::Lone, Inverted::Solid) => Verdict::TurnedSolid,
         };
-        let mut counts = CasterCounts::default();
-        counts.lone_inverted_parts = places.iter().filter(|p| **p == lone::Place::Lone).count() as u64;
+        let lone_inverted_parts = places.iter().filter(|p| **p == lone::Place::Lone).count() as u64;
+        let mut counts = CasterCounts { lone_inverted_parts, ..CasterCounts::default() };
         let mut verdicts = Vec::with_capacity(nodes.len());
         for (caster_node, &node) in nodes.iter().enumerate() {
             let judged = casting_triangles(scene, node, blend).enumerate().map(|(index, triangle)| {
