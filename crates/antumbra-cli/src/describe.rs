@@ -45,7 +45,10 @@ impl LightSummary<'_> {
         let mut table = Table::default();
         table.row("resolution", format!("{n} x {n} x {n}"));
         table.row("texel size", metres(self.texel_size_m));
-        table.row("nodes", format!("{} inner, {} slices, {} masks", count(nodes.inner), count(nodes.slices), count(nodes.masks)));
+        table.row(
+            "nodes",
+            format!("{} inner, {} slices, {} masks", count(nodes.inner), count(nodes.slices), count(nodes.masks)),
+        );
         table.row("bytes", format!("{} ({})", bytes(self.bytes), count(self.bytes)));
         table
     }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
 use antumbra::{LightShadow, ShadowFile};
 use antumbra_scene::Scene;
+use anyhow::{Context, Result, bail};
 
 use crate::table::printable;
 

@@ -1,7 +1,7 @@
 //! Which lights a bake is for.
 
-use anyhow::{Result, bail};
 use antumbra_scene::{Light, LightKind, Scene};
+use anyhow::{Result, bail};
 use glam::DVec3;
 
 use crate::args::SunAngles;

@@ -42,7 +42,9 @@ impl OutputFile {
         written.map_err(|error| match error.kind() {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
                 let (size, name) = (bytes.len(), self.name.display());
-                anyhow::anyhow!("cannot write the {size} bytes of {name}: {error}; free some space or choose another disk")
+                anyhow::anyhow!(
+                    "cannot write the {size} bytes of {name}: {error}; free some space or choose another disk"
+                )
             }
             _ => anyhow::Error::new(error).context(format!("cannot write {}", self.name.display())),
         })

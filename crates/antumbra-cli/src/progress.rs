@@ -41,9 +41,10 @@ impl Progress {
         self.bar.inc(things);
     }
 
-    /// So many of the stage's things are done.
-    pub fn set(&self, things: u64) {
-        self.bar.set_position(things);
+    /// So many of the stage's things are done, of so many.
+    pub fn set(&self, done: u64, all: u64) {
+        self.bar.set_length(all);
+        self.bar.set_position(done);
     }
 
     fn begin(&self, name: &str, length: u64, shape: &str) {

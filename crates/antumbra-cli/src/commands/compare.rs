@@ -41,12 +41,8 @@ pub fn run(args: &Args) -> Result<()> {
     progress.stage("reading");
     let (file, _) = inputs::shadows(&args.file)?;
     let scene = inputs::scene(&args.scene, &args.casters.exclude)?;
-    let wish = Wish {
-        samples: args.samples,
-        seed: args.seed,
-        blend: args.casters.blend(),
-        inverted: args.casters.inverted(),
-    };
+    let wish =
+        Wish { samples: args.samples, seed: args.seed, blend: args.casters.blend(), inverted: args.casters.inverted() };
     let comparison = args.run.pool()?.install(|| compare(&file, &scene, wish, &progress))?;
     drop(progress);
     if args.json {

@@ -109,7 +109,8 @@ fn light_text((light, summary): &Described<'_>) -> String {
     table.row("direction", format!("{dx:.6}, {dy:.6}, {dz:.6}"));
     table.row("voxel =", format!("linear * (world - origin) + offset, origin {ox:.3}, {oy:.3}, {oz:.3}"));
     for (row, offset) in record.voxel_from_offset.iter().zip(record.voxel_of_origin) {
-        let [x, y, z] = row;
+        // Adding zero turns -0 into 0.
+        let [x, y, z] = row.map(|v| v + 0.0);
         table.row("", format!("[{x:14.6e} {y:14.6e} {z:14.6e}] + {offset:.3}"));
     }
     table.text(&format!("{} ({})", printable(light.name()), summary.kind))

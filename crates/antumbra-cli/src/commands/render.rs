@@ -1,4 +1,163 @@
-//! stub
+//! `antumbra render`: a picture of a scene.
+
+use std::path::PathBuf;
+
+use antumbra::ShadowFile;
+use antumbra_render::{Picture, RenderOptions, Renderer, ShadowSource, default_camera, look_at};
+use antumbra_scene::{Camera, LightKind, Scene};
+use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
+use glam::DVec3;
+
+use crate::args::{self, FilterArgs, RunArgs};
+use crate::output::{self, OutputFile};
+use crate::progress::Progress;
+use crate::{inputs, lights};
+
+const EXAMPLE: &str =
+    "Example:\n  antumbra render city.glb --shadows city.antumbra --filter 5 --size 1920x1080 -o city.png";
+
+/// Draws a picture of a scene in daylight.
 #[derive(clap::Args)]
-pub struct Args {}
-pub fn run(_: &Args) -> anyhow::Result<()> { Ok(()) }
+#[command(after_help = EXAMPLE)]
+pub struct Args {
+    /// The scene: .glb, .gltf or .obj
+    scene: PathBuf,
+    /// A bake of the scene; its lights light the picture
+    #[arg(long, value_name = "FILE")]
+    shadows: Option<PathBuf>,
+    /// A camera of the scene [default: its first, or one that sees everything]
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// Instead of --camera: where the eye is, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = args::parse_point, allow_hyphen_values = true, requires = "target", conflicts_with = "camera")]
+    eye: Option<DVec3>,
+    /// What the eye looks at, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = args::parse_point, allow_hyphen_values = true, requires = "eye")]
+    target: Option<DVec3>,
+    /// Vertical field of view of --eye, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 45.0, requires = "eye")]
+    fov: f64,
+    /// Pixels
+    #[arg(long, value_name = "WxH", value_parser = args::parse_picture_size, default_value = "1280x720")]
+    size: [u32; 2],
+    /// Where shadows come from [default: dag with --shadows, else traced]
+    #[arg(long, value_enum)]
+    technique: Option<Technique>,
+    #[command(flatten)]
+    filter: FilterArgs,
+    /// Rays through each pixel
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    samples: u32,
+    /// What draws
+    #[arg(long, value_enum, default_value_t = Device::Auto)]
+    device: Device,
+    /// Where to write
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// `--technique`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Technique {
+    /// Looked up in the file that --shadows names
+    Dag,
+    /// Rays towards the light
+    Traced,
+    /// Cascaded shadow maps (not in this version)
+    Csm,
+}
+
+/// `--device`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum Device {
+    /// The best there is
+    Auto,
+    /// The processor
+    Cpu,
+    /// The graphics card (not in this version)
+    Gpu,
+}
+
+/// Draws.
+pub fn run(args: &Args) -> Result<()> {
+    let baked = is_baked(args)?;
+    let output = OutputFile::new(&args.output)?;
+    let progress = Progress::new(args.run.quiet);
+    progress.stage("reading");
+    let mut scene = inputs::scene(&args.scene, &[])?;
+    let file = args.shadows.as_ref().map(|path| inputs::shadows(path)).transpose()?.map(|(file, _)| file);
+    if let Some(file) = &file {
+        light_as_baked(&mut scene, file);
+    }
+    let camera = camera(args, &scene)?;
+    let shadows = match &file {
+        Some(shadows) if baked => ShadowSource::Dag { shadows, filter: args.filter.filter(1)? },
+        _ => ShadowSource::Traced,
+    };
+    let [width, height] = args.size;
+    let options = RenderOptions { width, height, samples: args.samples, ..RenderOptions::default() };
+    let picture = args.run.pool()?.install(|| draw(&scene, &camera, &options, shadows, &progress))?;
+    progress.stage("writing");
+    output.write(&picture.to_png()?)?;
+    drop(progress);
+    if args.run.quiet {
+        return Ok(());
+    }
+    output::print(&format!("{}: {width} x {height} pixels\n", args.output.display()))
+}
+
+/// Whether shadows come from a bake; refuses what a later version brings.
+fn is_baked(args: &Args) -> Result<bool> {
+    if args.device == Device::Gpu {
+        bail!("--device gpu is not in this version; use cpu");
+    }
+    match (args.technique, args.shadows.is_some()) {
+        (Some(Technique::Csm), _) => bail!("--technique csm is not in this version; use dag or traced"),
+        (Some(Technique::Dag), false) => bail!("--technique dag needs a bake: name one with --shadows FILE"),
+        (technique, shadows) => Ok(technique.map_or(shadows, |t| t == Technique::Dag)),
+    }
+}
+
+/// Draws with progress shown.
+pub fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    options: &RenderOptions,
+    shadows: ShadowSource<'_>,
+    progress: &Progress,
+) -> Result<Picture> {
+    progress.stage("preparing the scene");
+    let renderer = Renderer::new(scene);
+    progress.count("drawing", 0, "rows");
+    let picture = renderer.render(camera, options, shadows, &|done, all| progress.set(done as u64, all as u64))?;
+    Ok(picture)
+}
+
+/// Gives the scene the lights of a bake: its directional lights shine from where they shone then, and those that
+/// `--sun` added are there.
+fn light_as_baked(scene: &mut Scene, file: &ShadowFile) {
+    for baked in file.lights() {
+        let direction_world = baked.direction_world();
+        let same_name = scene.lights.iter_mut().find(|light| light.name == baked.name());
+        match same_name.filter(|light| light.kind == LightKind::Directional) {
+            Some(light) => light.direction_world = direction_world,
+            None => lights::put(scene, lights::directional(baked.name(), direction_world)),
+        }
+    }
+}
+
+fn camera(args: &Args, scene: &Scene) -> Result<Camera> {
+    if let (Some(eye), Some(target)) = (args.eye, args.target) {
+        return look_at(eye, target, args.fov.to_radians()).context("--eye and --target make no camera");
+    }
+    let Some(name) = &args.camera else {
+        return scene.cameras.first().map_or_else(|| Ok(default_camera(scene)?), |camera| Ok(camera.clone()));
+    };
+    scene.cameras.iter().find(|camera| camera.name == *name).cloned().with_context(|| {
+        let names = inputs::listed(scene.cameras.iter().map(|camera| camera.name.as_str()));
+        format!("{} has no camera \"{name}\"; it has: {names}", args.scene.display())
+    })
+}

@@ -38,7 +38,8 @@ fn scenes_and_example() -> String {
     format!("Scenes:\n{scenes}\nExample:\n  antumbra scene city -o city.glb")
 }
 
-fn parse_scale(text: &str) -> Result<f64, String> {
+/// A scale that scenes can have.
+pub fn parse_scale(text: &str) -> Result<f64, String> {
     let (least, most) = SCALE_RANGE;
     let scale = text.parse().ok().filter(|scale| (least..=most).contains(scale));
     scale.ok_or_else(|| format!("it must be a number from {least} to {most}"))

@@ -1,7 +1,7 @@
 //! How far a point lies from a true shadow edge: the truth is asked at points aside, in texels across the light and
 //! slices along it.
 
-use antumbra::{Interior, LightShadow};
+use antumbra::{Filter, Interior, LightShadow};
 use glam::DVec3;
 
 use super::ground::{Ground, Truth};
@@ -55,10 +55,18 @@ impl<'a> Edge<'a> {
         self.light.interior() != Interior::Open
     }
 
-    /// Whether the truth is another one within a texel and a slice, inside a solid apart.
-    pub fn is_near(&self, point_world: DVec3, truth: Truth) -> bool {
+    /// Whether the truth changes within a texel and a slice.
+    pub fn is_near(&self, point_world: DVec3) -> bool {
+        let truth = self.truth(point_world);
         let rings = std::iter::once(0.0).chain(NEAR_RINGS);
-        rings.flat_map(|radius| self.ring(point_world, radius, DIRECTIONS)).any(|p| self.truth(p) != truth)
+        rings.flat_map(|radius| self.ring(point_world, radius)).any(|p| self.truth(p) != truth)
+    }
+
+    /// A point of a surface, moved off it as far as a lookup with a filter of three taps moves it, and two slices more:
+    /// a plane then has no edge within a texel and a slice of it.
+    pub fn lifted(&self, point_world: DVec3, outward: DVec3) -> DVec3 {
+        let bias_m = Filter::new_box(3).map_or(0.0, |filter| self.light.bias_m(outward, filter));
+        point_world + outward * (bias_m + 2.0 * self.light.record().slice_size_m)
     }
 
     /// Distance of the nearest point at which the truth is what the bake says (or free to be so), texels: the radius of
@@ -68,7 +76,7 @@ impl<'a> Edge<'a> {
             Truth::Inside => true,
             truth => bake_lit == (truth == Truth::Lit),
         };
-        let ring_explains = |radius: &f64| self.ring(point_world, *radius, DIRECTIONS).any(explains);
+        let ring_explains = |radius: &f64| self.ring(point_world, *radius).any(explains);
         if let Some(radius) = std::iter::once(0.0).chain(NEAR_RINGS).find(ring_explains) {
             return radius;
         }
@@ -85,8 +93,8 @@ impl<'a> Edge<'a> {
     }
 
     /// Points of a circle across the light, each at the point's own depth, a slice before it and a slice behind it.
-    fn ring(&self, center: DVec3, radius: f64, directions: u32) -> impl Iterator<Item = DVec3> {
-        let directions = if radius == 0.0 { 1 } else { directions };
+    fn ring(&self, center: DVec3, radius: f64) -> impl Iterator<Item = DVec3> {
+        let directions = if radius == 0.0 { 1 } else { DIRECTIONS };
         (0..directions).flat_map(move |i| {
             // Turned a little, so that no direction runs along the axes of a scene.
             let angle = std::f64::consts::TAU * (f64::from(i) + 0.137) / f64::from(directions);
@@ -108,6 +116,6 @@ impl<'a> Edge<'a> {
         });
         let center = point_world + row_x * to_center(voxel.x) + row_y * to_center(voxel.y);
         let step_texels = 2_f64.powi(record.log2_resolution as i32 - LATTICE_LOG2 as i32);
-        [0.0, 1.0, 2.0].into_iter().flat_map(move |steps| self.ring(center, steps * step_texels, DIRECTIONS))
+        [0.0, 1.0, 2.0].into_iter().flat_map(move |steps| self.ring(center, steps * step_texels))
     }
 }

@@ -57,33 +57,40 @@ impl Ground {
     /// The truth at a point, to the letter: a hair behind a surface is in its shadow.
     pub fn truth(&self, point_world: DVec3, towards_light: DVec3, solids_are_free: bool) -> Truth {
         let ray = Ray::new(point_world, towards_light);
-        self.settle(&ray, solids_are_free, |_| true)
+        self.settle(&ray, solids_are_free, None)
     }
 
-    /// The truth at a point of a triangle, which does not shadow itself.
-    pub fn truth_on(
-        &self,
-        point_world: DVec3,
-        own: TriangleId,
-        towards_light: DVec3,
-        solids_are_free: bool,
-    ) -> Truth {
+    /// The truth at a point of a triangle, seen from outside: the triangle casts nothing on itself, and where it faces
+    /// away from the light, its own solid does.
+    pub fn truth_on(&self, point_world: DVec3, own: TriangleId, towards_light: DVec3, solids_are_free: bool) -> Truth {
         let ray = Ray::new(point_world, towards_light).between(self.near_m, f64::INFINITY);
-        self.settle(&ray, solids_are_free, |triangle| triangle != own)
+        self.settle(&ray, solids_are_free, Some(own))
     }
 
-    fn settle(&self, ray: &Ray, solids_are_free: bool, counts: impl Fn(TriangleId) -> bool) -> Truth {
-        if !self.tracer.occluded_if(ray, |hit| counts(hit.triangle)) {
+    /// Unit normal of a triangle, away from the solid that it bounds; zero where the triangle is too thin to have one.
+    pub fn outward(&self, triangle: TriangleId) -> DVec3 {
+        let normal = self.tracer.normal(triangle);
+        if self.side(triangle) == Side::TurnedSolid { -normal } else { normal }
+    }
+
+    fn side(&self, triangle: TriangleId) -> Side {
+        self.sides[triangle.0 as usize]
+    }
+
+    fn settle(&self, ray: &Ray, solids_are_free: bool, own: Option<TriangleId>) -> Truth {
+        if !self.tracer.occluded_if(ray, |hit| own != Some(hit.triangle)) {
             return Truth::Lit;
         }
         if !solids_are_free {
             return Truth::Shadowed;
         }
-        let mut winding = 0;
+        // Just outside its triangle, a ray that goes inward enters first.
+        let enters = |own| self.side(own) != Side::Open && self.outward(own).dot(ray.direction) < 0.0;
+        let mut winding = -i32::from(own.is_some_and(enters));
         self.tracer.for_each_hit(ray, |hit| {
             let leaves = if hit.front { -1 } else { 1 };
-            winding += match self.sides[hit.triangle.0 as usize] {
-                _ if !counts(hit.triangle) => 0,
+            winding += match self.side(hit.triangle) {
+                _ if own == Some(hit.triangle) => 0,
                 Side::Open => 0,
                 Side::Solid => leaves,
                 Side::TurnedSolid => -leaves,

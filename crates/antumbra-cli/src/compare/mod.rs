@@ -81,7 +81,8 @@ pub struct Tally {
     pub lit: u64,
     /// Of so many points it was found out whether they are robust, near an edge or inside.
     pub classified: u64,
-    /// The truth is the same all round, a texel aside and a slice before and behind.
+    /// The truth is the same all round, a texel aside and a slice before and behind (of a point a little off the
+    /// surface, for those on surfaces).
     pub robust: u64,
     /// It is not.
     pub near_edge: u64,
@@ -108,7 +109,10 @@ pub struct Worst {
 pub fn compare(file: &ShadowFile, scene: &Scene, wish: Wish, progress: &Progress) -> Result<Comparison> {
     progress.stage("building the ray tracer");
     let ground = Ground::new(scene, wish.blend, wish.inverted);
-    ensure!(ground.tracer().triangle_count() > 0, "the scene has no triangles that cast shadows: nothing to compare with");
+    ensure!(
+        ground.tracer().triangle_count() > 0,
+        "the scene has no triangles that cast shadows: nothing to compare with"
+    );
     let sampler = Sampler::new(ground.tracer());
     let lights = file.lights().map(|light| LightComparison {
         name: light.name().to_owned(),
@@ -178,9 +182,11 @@ impl<'a> Job<'a> {
 
     fn classify(&self, sample: &Sample, truth: Truth, tally: &mut Tally) {
         tally.classified += 1;
+        // On its own surface a point is always at an edge.
+        let off_surface = sample.triangle.map(|own| self.edge.lifted(sample.point_world, self.ground.outward(own)));
         match truth {
             Truth::Inside => tally.inside += 1,
-            _ if self.edge.is_near(sample.point_world, truth) => tally.near_edge += 1,
+            _ if self.edge.is_near(off_surface.unwrap_or(sample.point_world)) => tally.near_edge += 1,
             _ => tally.robust += 1,
         }
     }
