@@ -210,16 +210,12 @@ pub fn parse_size(text: &str) -> Result<u64, String> {
     let problem = || "it must be a number of bytes such as 512M, 1.5G or 1GiB".to_owned();
     let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
     let (number, unit) = (text[..split].trim(), text[split..].to_ascii_uppercase());
-    let power = match unit.chars().next() {
-        None | Some('B') => 0,
-        Some(letter) => 1 + "KMGT".find(letter).ok_or_else(problem)? as i32,
+    let (letter, base) = match unit.strip_suffix('B') {
+        None => (unit.as_str(), 1024_f64),
+        Some(unit) => unit.strip_suffix('I').map_or((unit, 1000.0), |letter| (letter, 1024.0)),
     };
-    let base = match unit.get(1..).unwrap_or_default() {
-        "" | "IB" => 1024_f64,
-        "B" => 1000.0,
-        _ => return Err(problem()),
-    };
-    let bytes = number.parse::<f64>().map_err(|_| problem())? * base.powi(power);
+    let power = ["", "K", "M", "G", "T"].iter().position(|known| *known == letter).ok_or_else(problem)?;
+    let bytes = number.parse::<f64>().map_err(|_| problem())? * base.powi(power as i32);
     if bytes >= 1.0 && bytes < 2_f64.powi(63) { Ok(bytes as u64) } else { Err(problem()) }
 }
 
@@ -258,7 +254,9 @@ mod tests {
             ("2kb", 2000),
             ("7 B", 7),
         ];
-        good.map(|(text, bytes)| assert_eq!(parse_size(text), Ok(bytes), "{text}"));
+        for (text, bytes) in good {
+            assert_eq!(parse_size(text), Ok(bytes), "{text}");
+        }
         for wrong in ["", "G", "-1M", "1X", "1GG", "1Gi", "nan", "0", "1e30", "1BB", "é"] {
             assert!(parse_size(wrong).is_err(), "{wrong}");
         }

@@ -134,7 +134,8 @@ mod tests {
             assert!(read_points(&npy(&header(descr, "False", "(2, 3)"), &[0; 48])).is_err(), "{descr}");
         }
         let mut endless = f4("(2, 3)");
-        (endless[6], endless[8..12].copy_from_slice(&[255; 4])) = (2, ());
+        endless[6] = 2;
+        endless[8..12].fill(255);
         assert!(read_points(&endless).is_err());
     }
 

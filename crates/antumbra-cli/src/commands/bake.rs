@@ -95,8 +95,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut scene = inputs::scene(&args.scene, &args.casters.exclude)?;
     let mut warnings = Vec::new();
     let lights = lights::choose(&mut scene, &args.light, args.sun, &mut warnings)?;
-    let options = options(args)?;
-    let baked = antumbra_bake::bake(&scene, &lights, &options, &progress).with_context(|| asked_for(args))?;
+    let held = memory::current_bytes().unwrap_or(0);
+    let options = options(args, held)?;
+    let baked = antumbra_bake::bake(&scene, &lights, &options, &progress).with_context(|| asked_for(args, held))?;
     progress.stage("writing");
     output.write(&baked.bytes)?;
     drop(progress);
@@ -107,7 +108,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn refuse_what_comes_later(args: &Args) -> Result<()> {
     if args.near.is_some() {
-        bail!("--near is about spot and point lights, which this version does not bake; leave it out");
+        bail!("--near is for spot and point lights, which are not in this version; leave it out");
     }
     if args.resume {
         bail!("--resume is not in this version; leave it out to bake from the start");
@@ -121,7 +122,13 @@ fn refuse_what_comes_later(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn options(args: &Args) -> Result<BakeOptions> {
+/// `held` is what the program holds already: the scene, above all.
+fn options(args: &Args, held: u64) -> Result<BakeOptions> {
+    let left_of = |limit: u64| {
+        limit.checked_sub(held).filter(|left| *left > 0).with_context(|| {
+            format!("the scene alone takes {} of --memory-limit {}; allow more", bytes(held), bytes(limit))
+        })
+    };
     Ok(BakeOptions {
         interior: args.interior,
         resolution: match (args.resolution, args.texel_size) {
@@ -136,19 +143,10 @@ fn options(args: &Args) -> Result<BakeOptions> {
     })
 }
 
-/// What of the program's limit is left beside what it holds already: the scene, above all.
-fn left_of(limit: u64) -> Result<u64> {
-    let held = memory::current_bytes().unwrap_or(0);
-    let left = limit.checked_sub(held).filter(|left| *left > 0);
-    left.with_context(|| {
-        format!("the scene alone takes {}, more than --memory-limit {}; allow more", bytes(held), bytes(limit))
-    })
-}
-
 /// Names the scene in errors, and the whole limit where the baker knows only what was left of it.
-fn asked_for(args: &Args) -> String {
+fn asked_for(args: &Args, held: u64) -> String {
     let limit = args.memory_limit.map_or(String::new(), |limit| {
-        format!(" within {limit} bytes, of which the program and the scene have taken their part")
+        format!(" (the scene takes {} of --memory-limit {})", bytes(held), bytes(limit))
     });
     format!("cannot bake {}{limit}", args.scene.display())
 }

@@ -1,0 +1,8 @@
+//! Runs the program as a user does: every command on a small city, exit codes, JSON keys, bad usage, damaged files.
+
+mod baking;
+mod comparing;
+mod folder;
+mod pictures;
+mod querying;
+mod usage;

@@ -1,0 +1,60 @@
+//! render and demo.
+
+use std::fs;
+use std::path::Path;
+
+use crate::folder::{folder, run};
+
+fn size_of_png(path: &Path) -> (u32, u32) {
+    image::image_dimensions(path).expect("a picture")
+}
+
+#[test]
+fn pictures_come_from_bakes_and_rays() {
+    let folder = folder();
+    let picture = folder.path().join("p.png");
+    let mut seen = Vec::new();
+    for options in ["", "--shadows {baked}", "--shadows {baked} --technique traced", "--shadows {baked} --filter 9"] {
+        let line = format!("render {{city}} -o {{p.png}} --size 48x32 --samples 1 {options}");
+        let text = run(folder.path(), &line).ok();
+        assert!(text.contains("48 x 32"), "{text}");
+        assert_eq!(size_of_png(&picture), (48, 32));
+        seen.push(fs::read(&picture).expect("a file"));
+    }
+    assert!(seen[0] == seen[2], "a bake of the scene's own sun changed a traced picture");
+    assert!(seen[1] != seen[3], "the filter changed nothing");
+}
+
+#[test]
+fn the_picture_is_lit_as_the_bake_was() {
+    let folder = folder();
+    run(folder.path(), "bake {city} -o {east} --sun 90,20 --resolution 1024").ok();
+    let line = "render {city} -o {p.png} --size 32x32 --samples 1 --technique traced";
+    run(folder.path(), line).ok();
+    let own = fs::read(folder.path().join("p.png")).expect("a file");
+    run(folder.path(), &format!("{line} --shadows {{east}}")).ok();
+    assert!(own != fs::read(folder.path().join("p.png")).expect("a file"));
+}
+
+#[test]
+fn cameras_are_chosen_by_name_or_place() {
+    let folder = folder();
+    let line = "render {city} -o {p.png} --size 16x16 --samples 1";
+    run(folder.path(), &format!("{line} --camera keyhole")).fails(&["no camera \"keyhole\"", "it has: "]);
+    run(folder.path(), &format!("{line} --eye -50,80,-50 --target 0,0,0 --fov 60")).ok();
+    run(folder.path(), &format!("{line} --eye 1,1,1 --target 1,1,1")).fails(&["--eye"]);
+    run(folder.path(), &format!("{line} --eye 1,1,1 --target 0,0,0 --fov 200")).fails(&["field of view"]);
+    run(folder.path(), &format!("{line} --technique dag")).fails(&["--shadows"]);
+    run(folder.path(), "render {city} -o {p.png} --size 100000x1").fails(&["16384"]);
+}
+
+#[test]
+fn the_demo_shows_everything() {
+    let folder = folder();
+    let text = run(folder.path(), "demo --out {a/b} --scale 0.05").ok();
+    for what in ["triangles", "16-bit shadow map", "lookups", "ok: ", "city.png"] {
+        assert!(text.contains(what), "no {what} in\n{text}");
+    }
+    assert_eq!(size_of_png(&folder.path().join("a/b/city.png")), (1280, 720));
+    run(folder.path(), "validate {a/b/city.antumbra}").ok();
+}
