@@ -9,7 +9,7 @@ use crate::compare::{Comparison, Wish, compare};
 use crate::progress::Progress;
 use crate::{describe, inputs, output};
 
-/// Compares a bake with ray tracing in world space, at random points in the air and on surfaces.
+/// Compares a bake with ray tracing in world space, at random points in the air, on surfaces and just off them.
 ///
 /// Every disagreement's distance from a true shadow edge is measured; the comparison fails if one lies farther than a
 /// texel and a slice. Give the same --exclude, --blend and --inverted as for the bake.
@@ -20,7 +20,7 @@ pub struct Args {
     file: PathBuf,
     /// The scene that it was baked from
     scene: PathBuf,
-    /// Points in the air, and as many on surfaces, for each light
+    /// Points in the air, and as many on surfaces and off them, for each light
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     samples: u64,
     /// Seed of the points

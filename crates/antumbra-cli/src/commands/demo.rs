@@ -37,7 +37,7 @@ pub struct Args {
     quiet: bool,
 }
 
-/// Points in the air, and as many on surfaces, that the bake is checked at.
+/// Points in the air, and as many on surfaces and off them, that the bake is checked at.
 const SAMPLES: u64 = 100_000;
 /// Taps per side of the picture's filter.
 const FILTER_TAPS: u32 = 5;

@@ -1,4 +1,5 @@
-//! Holds a bake against ray tracing in world space, at random points in the air and on surfaces.
+//! Holds a bake against ray tracing in world space, at random points in the air, on surfaces and just off
+//! them.
 //!
 //! The truth is a ray towards the light against the casters ([`ground`]). A bake knows a shadow to a texel across the
 //! light and a slice along it: so wherever the two disagree, the truth is asked at points further and further aside
@@ -14,6 +15,7 @@ mod sampling;
 
 use antumbra::{LightShadow, ShadowFile};
 use antumbra_bake::{Blend, Inverted};
+use antumbra_render::TriangleId;
 use antumbra_scene::Scene;
 use anyhow::{Result, ensure};
 use glam::DVec3;
@@ -35,7 +37,7 @@ const WORST_KEPT: usize = 5;
 /// What to compare.
 #[derive(Clone, Copy, Debug)]
 pub struct Wish {
-    /// Points in the air, and as many on surfaces.
+    /// Points in the air, and as many on surfaces and off them.
     pub samples: u64,
     /// Of the points.
     pub seed: u64,
@@ -50,8 +52,10 @@ pub struct Wish {
 pub enum Kind {
     /// Anywhere in the casters' box, or a little outside it.
     Air,
-    /// On casters.
+    /// On casters. Here a lookup may be wrong by its slice alone: one side of it is in the light, the other is not.
     Surface,
+    /// The same points, moved off their surface as a filtered lookup moves them: a picture's view of them.
+    OffSurface,
 }
 
 /// What was found out about a file.
@@ -65,6 +69,7 @@ pub struct LightComparison {
     pub name: String,
     pub air: Tally,
     pub surfaces: Tally,
+    pub off_surfaces: Tally,
 }
 
 /// Counts over the points of a kind.
@@ -114,10 +119,14 @@ pub fn compare(file: &ShadowFile, scene: &Scene, wish: Wish, progress: &Progress
         "the scene has no triangles that cast shadows: nothing to compare with"
     );
     let sampler = Sampler::new(ground.tracer());
-    let lights = file.lights().map(|light| LightComparison {
-        name: light.name().to_owned(),
-        air: Job::new(light, &ground, &sampler, wish, Kind::Air).run(progress),
-        surfaces: Job::new(light, &ground, &sampler, wish, Kind::Surface).run(progress),
+    let lights = file.lights().map(|light| {
+        let tally = |kind| Job::new(light, &ground, &sampler, wish, kind).run(progress);
+        LightComparison {
+            name: light.name().to_owned(),
+            air: tally(Kind::Air),
+            surfaces: tally(Kind::Surface),
+            off_surfaces: tally(Kind::OffSurface),
+        }
     });
     Ok(Comparison { lights: lights.collect() })
 }
@@ -141,6 +150,7 @@ impl<'a> Job<'a> {
         let what = match self.kind {
             Kind::Air => "points in the air",
             Kind::Surface => "points on surfaces",
+            Kind::OffSurface => "points off surfaces",
         };
         progress.count(&format!("{}: {what}", self.light.name()), self.wish.samples, "points");
         let tasks = self.wish.samples.div_ceil(TASK);
@@ -155,7 +165,7 @@ impl<'a> Job<'a> {
     }
 
     fn sample(&self, index: u64, tally: &mut Tally) {
-        let sample = self.sampler.sample(self.wish.seed, self.kind, index);
+        let sample = self.draw(index);
         let truth = self.truth(&sample);
         let bake_lit = self.light.visibility(sample.point_world) > 0.5;
         tally.samples += 1;
@@ -172,6 +182,20 @@ impl<'a> Job<'a> {
         }
     }
 
+    fn draw(&self, index: u64) -> Sample {
+        let sample = self.sampler.sample(self.wish.seed, self.kind, index);
+        match sample.triangle {
+            Some(own) if self.kind == Kind::OffSurface => {
+                Sample { point_world: self.lifted(&sample, own), triangle: None }
+            }
+            _ => sample,
+        }
+    }
+
+    fn lifted(&self, sample: &Sample, own: TriangleId) -> DVec3 {
+        self.edge.lifted(sample.point_world, self.ground.outward(own))
+    }
+
     fn truth(&self, sample: &Sample) -> Truth {
         let towards = self.edge.towards_light();
         match sample.triangle {
@@ -183,7 +207,7 @@ impl<'a> Job<'a> {
     fn classify(&self, sample: &Sample, truth: Truth, tally: &mut Tally) {
         tally.classified += 1;
         // On its own surface a point is always at an edge.
-        let off_surface = sample.triangle.map(|own| self.edge.lifted(sample.point_world, self.ground.outward(own)));
+        let off_surface = sample.triangle.map(|own| self.lifted(sample, own));
         match truth {
             Truth::Inside => tally.inside += 1,
             _ if self.edge.is_near(off_surface.unwrap_or(sample.point_world)) => tally.near_edge += 1,
@@ -235,7 +259,8 @@ impl Comparison {
     /// Counts over everything.
     #[must_use]
     pub fn total(&self) -> Tally {
-        let tallies = self.lights.iter().flat_map(|light| [light.air.clone(), light.surfaces.clone()]);
+        let tallies =
+            self.lights.iter().flat_map(|light| [&light.air, &light.surfaces, &light.off_surfaces].map(Tally::clone));
         tallies.fold(Tally::default(), Tally::merge)
     }
 }

@@ -9,10 +9,14 @@ impl Comparison {
     /// For people: a table per light.
     #[must_use]
     pub fn text(&self) -> String {
-        let tables = self.lights.iter().map(|light| {
-            let heading = format!("{}, in the air", printable(&light.name));
-            let air = light.air.table().text(&heading);
-            air + &light.surfaces.table().text(&format!("{}, on surfaces", printable(&light.name)))
+        let tables = self.lights.iter().flat_map(|light| {
+            let name = printable(&light.name);
+            let kinds = [
+                (&light.air, "in the air"),
+                (&light.surfaces, "on surfaces"),
+                (&light.off_surfaces, "on surfaces, moved off them as a filtered lookup is"),
+            ];
+            kinds.map(|(tally, place)| tally.table().text(&format!("{name}, {place}")))
         });
         tables.collect::<String>() + &self.verdict() + "\n"
     }
@@ -56,7 +60,12 @@ impl Comparison {
 
 impl LightComparison {
     fn json(&self) -> Value {
-        json!({ "name": self.name, "air": self.air.json(), "surfaces": self.surfaces.json() })
+        json!({
+            "name": self.name,
+            "air": self.air.json(),
+            "surfaces": self.surfaces.json(),
+            "off_surfaces": self.off_surfaces.json(),
+        })
     }
 }
 

@@ -47,7 +47,7 @@ impl<'a> Sampler<'a> {
                 let point_world = self.bounds.min + (self.bounds.max - self.bounds.min) * share;
                 Sample { point_world, triangle: None }
             }
-            Kind::Surface => self.on_surface(&mut random),
+            Kind::Surface | Kind::OffSurface => self.on_surface(&mut random),
         }
     }
 
@@ -78,7 +78,7 @@ struct Random {
 
 impl Random {
     fn new(seed: u64, kind: Kind, index: u64) -> Self {
-        let stream = [seed, kind as u64, index].into_iter().fold(0, |state, part| mix(state ^ part));
+        let stream = [seed, u64::from(kind == Kind::Air), index].into_iter().fold(0, |state, part| mix(state ^ part));
         Self { state: stream }
     }
 

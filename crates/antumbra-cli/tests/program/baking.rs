@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::folder::{folder, run};
+use crate::folder::{arguments, edit_glb, folder, run};
 
 #[test]
 fn bake_and_info_agree_on_what_the_file_holds() {
@@ -41,8 +41,7 @@ fn bytes(value: &Value) -> u64 {
 fn several_lights_share_their_nodes() {
     let folder = folder();
     let city = run(folder.path(), "bake {city} -o {one} --resolution 256 --json").json();
-    // The same city with a second light: written by hand into the GLB's JSON.
-    let glb = with_lights(&fs::read(crate::folder::arguments(folder.path(), "{city}")[0].as_path()).expect("the city"));
+    let glb = with_lights(&fs::read(&arguments(folder.path(), "{city}")[0]).expect("the city"));
     fs::write(folder.path().join("two.glb"), glb).expect("a file");
     let done = run(folder.path(), "bake {two.glb} -o {b} --resolution 256 --json");
     assert!(done.stderr.contains("warning: 1 spot and point light(s) are left out"), "{}", done.stderr);
@@ -66,27 +65,19 @@ fn several_lights_share_their_nodes() {
 
 /// A GLB with a twin of its first light and a point light besides.
 fn with_lights(glb: &[u8]) -> Vec<u8> {
-    let length = u32::from_le_bytes(glb[12..16].try_into().expect("four bytes")) as usize;
-    let mut root: Value = serde_json::from_slice(&glb[20..20 + length]).expect("glTF");
-    let nodes = root["nodes"].as_array_mut().expect("nodes");
-    let first = nodes.iter().find(|node| node["extensions"]["KHR_lights_punctual"].is_object()).expect("a light");
-    let mut twin = first.clone();
-    twin["name"] = "twin".into();
-    let mut lamp = first.clone();
-    lamp["name"] = "lamp".into();
-    let definitions = root["extensions"]["KHR_lights_punctual"]["lights"].as_array_mut().expect("lights");
-    lamp["extensions"]["KHR_lights_punctual"]["light"] = definitions.len().into();
-    definitions.push(serde_json::json!({ "type": "point" }));
-    let nodes = root["nodes"].as_array_mut().expect("nodes");
-    let added = [nodes.len(), nodes.len() + 1];
-    nodes.extend([twin, lamp]);
-    root["scenes"][0]["nodes"].as_array_mut().expect("a scene").extend(added.map(Value::from));
-    let mut json = root.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let rest = &glb[20 + length..];
-    let total = (20 + json.len() + rest.len()) as u32;
-    let chunk = (json.len() as u32).to_le_bytes();
-    [&glb[..8], &total.to_le_bytes(), &chunk, b"JSON", &json, rest].concat()
+    edit_glb(glb, |root| {
+        let nodes = root["nodes"].as_array().expect("nodes");
+        let is_light = |node: &&Value| node["extensions"]["KHR_lights_punctual"].is_object();
+        let [mut twin, mut lamp] = [(); 2].map(|()| nodes.iter().find(is_light).expect("a light").clone());
+        let first = nodes.len();
+        twin["name"] = "twin".into();
+        lamp["name"] = "lamp".into();
+        let definitions = root["extensions"]["KHR_lights_punctual"]["lights"].as_array_mut().expect("lights");
+        lamp["extensions"]["KHR_lights_punctual"]["light"] = definitions.len().into();
+        definitions.push(serde_json::json!({ "type": "point" }));
+        root["nodes"].as_array_mut().expect("nodes").extend([twin, lamp]);
+        root["scenes"][0]["nodes"].as_array_mut().expect("a scene").extend([first, first + 1].map(Value::from));
+    })
 }
 
 #[test]
@@ -175,7 +166,7 @@ fn links_and_permissions_stay() {
 #[test]
 fn damaged_files_are_refused() {
     let folder = folder();
-    let [city, baked] = ["{city}", "{baked}"].map(|name| crate::folder::arguments(folder.path(), name).remove(0));
+    let [city, baked] = ["{city}", "{baked}"].map(|name| arguments(folder.path(), name).remove(0));
     let (glb, bytes) = (fs::read(city).expect("a scene"), fs::read(baked).expect("a bake"));
     for length in [0, 7, 8, 63, 64, 200, bytes.len() / 2, bytes.len() - 1] {
         fs::write(folder.path().join("d"), &bytes[..length]).expect("a file");

@@ -88,6 +88,19 @@ pub fn arguments(folder: &Path, line: &str) -> Vec<PathBuf> {
     line.split_whitespace().map(fill).collect()
 }
 
+/// A GLB with its JSON changed.
+pub fn edit_glb(glb: &[u8], edit: impl FnOnce(&mut Value)) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().expect("four bytes")) as usize;
+    let mut root: Value = serde_json::from_slice(&glb[20..20 + length]).expect("glTF");
+    edit(&mut root);
+    let mut json = root.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let rest = &glb[20 + length..];
+    let total = (20 + json.len() + rest.len()) as u32;
+    let chunk = (json.len() as u32).to_le_bytes();
+    [&glb[..8], &total.to_le_bytes(), &chunk, b"JSON", &json, rest].concat()
+}
+
 /// A folder that is gone after the test.
 pub fn folder() -> tempfile::TempDir {
     tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder")
