@@ -52,20 +52,20 @@ fn bless() -> Result<()> {
     run(Command::new("cargo").args(golden).env("ANTUMBRA_BLESS", "1"))
 }
 
-/// Name, scene, and further words for `antumbra render`; the shadows are baked first.
-const PICTURES: [(&str, &str, &[&str]); 6] = [
-    ("city", "city", &["--camera", "overview"]),
-    ("city-street", "city", &["--camera", "street"]),
-    ("landscape", "landscape", &["--camera", "overview"]),
-    ("delft", "../shared/scenes/delft.glb", &[]),
-    ("colosseum", "../shared/scenes/colosseum.glb", &[]),
-    ("kaykit-city", "../shared/scenes/kaykit-city.glb", &[]),
+/// Name, scene, size, and further words for `antumbra render`; the shadows are baked first.
+const PICTURES: [(&str, &str, &str, &[&str]); 6] = [
+    ("city", "city", "960x540", &["--camera", "overview", "--filter", "3"]),
+    ("city-rooftops", "city", "480x270", &["--camera", "rooftops", "--filter", "3"]),
+    ("landscape", "landscape", "480x270", &["--camera", "overview", "--filter", "3"]),
+    ("delft", "../shared/scenes/delft.glb", "480x270", &["--filter", "3"]),
+    ("colosseum", "../shared/scenes/colosseum.glb", "480x270", &["--filter", "3"]),
+    ("kaykit-city", "../shared/scenes/kaykit-city.glb", "480x270", &["--filter", "3"]),
 ];
 
 fn pictures() -> Result<()> {
     let scratch = Path::new("target").join("pictures");
     std::fs::create_dir_all(&scratch).context("cannot make target/pictures")?;
-    for (name, scene, words) in PICTURES {
+    for (name, scene, size, words) in PICTURES {
         let mut file = scene.to_owned();
         if !scene.ends_with(".glb") {
             file = scratch.join(format!("{scene}.glb")).display().to_string();
@@ -77,7 +77,7 @@ fn pictures() -> Result<()> {
         let shadows = scratch.join(format!("{name}.antumbra")).display().to_string();
         antumbra(&["bake", &file, "-o", &shadows])?;
         let picture = format!("docs/figures/{name}.png");
-        let render = ["render", &file, "--shadows", &shadows, "--size", "960x540", "--filter", "3", "-o", &picture];
+        let render = ["render", &file, "--shadows", &shadows, "--size", size, "-o", &picture];
         antumbra(&[&render, words].concat())?;
     }
     Ok(())

@@ -14,6 +14,8 @@ use crate::light_space::Resolution;
 /// log2 of a leaf's texels per side.
 pub(super) const LEAF_LOG2: u32 = 3;
 const TEXELS: usize = 64;
+/// Fewer rays than this are computed one by one, more of them all 64 at once.
+const FEW_RAYS: u32 = 12;
 /// First shadowed slice of a ray without casters.
 const NEVER: u32 = u32::MAX;
 
@@ -25,20 +27,11 @@ struct Transition {
     lit: u64,
 }
 
-/// A triangle of a cluster, as the rays that are not done meet it.
-struct Met {
-    covered: u64,
-    slices: [u32; TEXELS],
-    /// The slice of the plane's deepest point in the whole texel; only of triangles that rays enter through.
-    deepest: [u32; TEXELS],
-    winding: i32,
-}
-
 /// A ray's meeting with a triangle.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Crossing {
     slice: u32,
-    /// See [`Met::deepest`]; else 0.
+    /// The slice of the plane's deepest point in the whole texel, if the ray may enter a solid here first; else 0.
     deepest: u32,
     winding: i32,
 }
@@ -46,8 +39,10 @@ struct Crossing {
 /// What solving a leaf needs, kept between leaves.
 #[derive(Default)]
 pub(super) struct LeafScratch {
-    met: Vec<Met>,
-    crossings: Vec<Crossing>,
+    /// Crossings of a cluster: ray i's are at place i of the first so many rows.
+    crossings: Vec<[Crossing; TEXELS]>,
+    /// Crossings of one ray.
+    along_ray: Vec<Crossing>,
     transitions: Vec<Transition>,
 }
 
@@ -101,23 +96,27 @@ impl LeafScratch {
 
     /// Meets triangles whose order differs from ray to ray.
     fn meet_many(&mut self, rays: &mut Rays, leaf: Leaf<'_>, cluster: &[Entry]) {
-        self.met.clear();
+        let mut counts = [0u32; TEXELS];
         let mut touched = 0;
         for entry in cluster {
             let triangle = &leaf.triangles[entry.triangle as usize];
             let covered = leaf.coverage(triangle, *entry) & (rays.outside | rays.inside);
-            if covered != 0 {
-                touched |= covered;
-                self.met.push(Met::new(leaf, triangle, covered, rays.outside));
-            }
+            touched |= covered;
+            leaf.for_each_crossing(triangle, covered, rays.outside, |texel, crossing| {
+                let row = counts[texel] as usize;
+                if row == self.crossings.len() {
+                    self.crossings.push([Crossing::default(); TEXELS]);
+                }
+                self.crossings[row][texel] = crossing;
+                counts[texel] += 1;
+            });
         }
         for_each_bit(touched, |texel| {
-            self.crossings.clear();
-            let met = self.met.iter().filter(|m| (m.covered >> texel) & 1 != 0);
-            self.crossings.extend(met.map(|m| m.crossing(texel)));
-            self.crossings.sort_unstable();
-            for same_slice in self.crossings.chunk_by(|a, b| a.slice == b.slice) {
-                if (rays.outside | rays.inside) >> texel & 1 != 0 {
+            self.along_ray.clear();
+            self.along_ray.extend(self.crossings[..counts[texel] as usize].iter().map(|row| row[texel]));
+            self.along_ray.sort_unstable();
+            for same_slice in self.along_ray.chunk_by(|a, b| a.slice == b.slice) {
+                if ((rays.outside | rays.inside) >> texel) & 1 != 0 {
                     rays.meet_slice(texel, same_slice);
                 }
             }
@@ -147,23 +146,6 @@ impl LeafScratch {
     }
 }
 
-impl Met {
-    #[inline]
-    fn new(leaf: Leaf<'_>, triangle: &BuildTriangle, covered: u64, outside: u64) -> Self {
-        let first = leaf.first_center();
-        let slices = triangle.leaf_slices(first, covered, leaf.resolution);
-        let winding = triangle.winding();
-        let enters = winding > 0 && covered & outside != 0;
-        let deepest = if enters { triangle.leaf_deepest(first, leaf.resolution) } else { [0; TEXELS] };
-        Self { covered, slices, deepest, winding }
-    }
-
-    #[inline(always)]
-    fn crossing(&self, texel: usize) -> Crossing {
-        Crossing { slice: self.slices[texel], deepest: self.deepest[texel], winding: self.winding }
-    }
-}
-
 /// How many of the sorted entries have depth intervals that overlap, directly or through one another.
 fn cluster_length(sorted: &[Entry]) -> usize {
     let mut last = sorted[0].last;
@@ -190,29 +172,28 @@ impl Rays {
     /// Meets a triangle that lies alone in its depth interval.
     fn meet_one(&mut self, leaf: Leaf<'_>, entry: Entry) {
         let triangle = &leaf.triangles[entry.triangle as usize];
-        let mut covered = leaf.coverage(triangle, entry) & (self.outside | self.inside);
+        let covered = leaf.coverage(triangle, entry) & (self.outside | self.inside);
         if self.outside & covered == 0 {
-            if !entry.has(SOLID) {
-                return;
-            }
             // Only counts change, but where the last solid is left.
-            let delta = triangle.winding();
-            let mut leaving = 0;
-            for_each_bit(covered, |texel| {
-                self.winding[texel] += delta;
-                leaving |= u64::from(self.winding[texel] <= 0) << texel;
+            let leaving = if entry.has(SOLID) { self.count(covered, triangle.winding()) } else { 0 };
+            leaf.for_each_crossing(triangle, leaving, 0, |texel, crossing| {
+                self.exit[texel] = crossing.slice.max(self.enter[texel]);
             });
-            covered = leaving;
-            if covered == 0 {
-                return;
-            }
-            let slices = triangle.leaf_slices(leaf.first_center(), covered, leaf.resolution);
-            for_each_bit(covered, |texel| self.exit[texel] = slices[texel].max(self.enter[texel]));
-            self.inside &= !covered;
-            return;
+            self.inside &= !leaving;
+        } else {
+            let outside = self.outside;
+            leaf.for_each_crossing(triangle, covered, outside, |texel, crossing| self.meet_slice(texel, &[crossing]));
         }
-        let met = Met::new(leaf, triangle, covered, self.outside);
-        for_each_bit(covered, |texel| self.meet_slice(texel, &[met.crossing(texel)]));
+    }
+
+    /// Adds to rays' winding numbers; returns those that are out of all solids.
+    fn count(&mut self, covered: u64, winding: i32) -> u64 {
+        let mut leaving = 0;
+        for_each_bit(covered, |texel| {
+            self.winding[texel] += winding;
+            leaving |= u64::from(self.winding[texel] <= 0) << texel;
+        });
+        leaving
     }
 
     /// Meets all that a ray meets within one slice. Within a slice entries come before exits, so touching solids leave
@@ -261,6 +242,36 @@ impl Leaf<'_> {
     #[inline(always)]
     fn first_center(&self) -> [i64; 2] {
         [self.resolution.texel_center(self.tile.x), self.resolution.texel_center(self.tile.y)]
+    }
+
+    /// Calls `each` with the crossings of the rays in `covered`, all of which the triangle covers.
+    #[inline]
+    fn for_each_crossing(
+        &self,
+        triangle: &BuildTriangle,
+        covered: u64,
+        outside: u64,
+        mut each: impl FnMut(usize, Crossing),
+    ) {
+        let (first, resolution) = (self.first_center(), self.resolution);
+        let winding = triangle.winding();
+        let enters = winding > 0 && covered & outside != 0;
+        if covered.count_ones() < FEW_RAYS {
+            for_each_bit(covered, |texel| {
+                let slice = triangle.leaf_slice(first, texel, resolution);
+                let deepest = if enters { triangle.leaf_deepest_at(first, texel, resolution) } else { 0 };
+                each(texel, Crossing { slice, deepest, winding });
+            });
+        } else if enters {
+            let slices = triangle.leaf_slices(first, covered, resolution);
+            let deepest = triangle.leaf_deepest(first, resolution);
+            for_each_bit(covered, |texel| {
+                each(texel, Crossing { slice: slices[texel], deepest: deepest[texel], winding });
+            });
+        } else {
+            let slices = triangle.leaf_slices(first, covered, resolution);
+            for_each_bit(covered, |texel| each(texel, Crossing { slice: slices[texel], deepest: 0, winding }));
+        }
     }
 
     /// Bit 8*y + x is set where the triangle covers the texel's centre.

@@ -111,55 +111,48 @@ impl BuildTriangle {
         f64::from(self.z[0]) * slices_per_step + (x * self.slope[0] + y * self.slope[1])
     }
 
+    /// The plane's depth over a leaf, given its first texel centre: depth there and steps along x and y, in slices.
+    #[inline(always)]
+    fn leaf_plane(&self, first: [i64; 2], resolution: Resolution) -> LeafPlane {
+        let texel = resolution.texel_steps() as f64;
+        let corner = self.depth([first[0] as f64, first[1] as f64], resolution.slices_per_step());
+        let step = [self.slope[0] * texel, self.slope[1] * texel];
+        // The triangle covers some of the centres, so the leaf's first lies within eight texels of it.
+        let error = f64::from(self.error) + (step[0].abs() + step[1].abs()) * 2.0f64.powi(-45);
+        LeafPlane { corner, step, error }
+    }
+
     /// The slices of a leaf's 64 texel centres, row by row from the first; exact where `wanted` has a bit and the
     /// triangle covers the centre.
     #[inline]
     pub(super) fn leaf_slices(&self, first: [i64; 2], wanted: u64, resolution: Resolution) -> [u32; 64] {
-        let (mut slices, doubtful) = self.rounded_slices(first, resolution, 0.0);
+        let (mut slices, doubtful) = self.leaf_plane(first, resolution).slices();
         let mut doubtful = doubtful & wanted;
         while doubtful != 0 {
             let i = doubtful.trailing_zeros() as usize;
-            let offset = [i as i64 & 7, i as i64 >> 3].map(|texels| texels * resolution.texel_steps());
-            slices[i] = self.exact_slice([first[0] + offset[0], first[1] + offset[1]], resolution);
+            slices[i] = self.exact_slice(leaf_center(first, i, resolution), resolution);
             doubtful &= doubtful - 1;
         }
         slices
     }
 
+    /// The exact slice of one of a leaf's texel centres, which the triangle covers.
+    #[inline]
+    pub(super) fn leaf_slice(&self, first: [i64; 2], texel: usize, resolution: Resolution) -> u32 {
+        let (slice, sure) = self.leaf_plane(first, resolution).slice(texel);
+        if sure { slice } else { self.exact_slice(leaf_center(first, texel, resolution), resolution) }
+    }
+
     /// The slices of the plane's deepest points in a leaf's 64 texels; a hair too deep does no harm.
     #[inline]
     pub(super) fn leaf_deepest(&self, first: [i64; 2], resolution: Resolution) -> [u32; 64] {
-        let steepness = self.slope[0].abs() + self.slope[1].abs();
-        let rise = 0.5 * steepness * resolution.texel_steps() as f64 + 1.0 / 256.0;
-        self.rounded_slices(first, resolution, rise.min(f64::from(resolution.texels()))).0
+        self.leaf_plane(first, resolution).lowered(resolution).slices().0
     }
 
-    /// Slices by floating point, `beyond` slices behind the plane, and a bit for each that rounding may have made
-    /// wrong.
+    /// The same for one texel.
     #[inline]
-    fn rounded_slices(&self, first: [i64; 2], resolution: Resolution, beyond: f64) -> ([u32; 64], u64) {
-        let texel = resolution.texel_steps() as f64;
-        let corner = self.depth([first[0] as f64, first[1] as f64], resolution.slices_per_step()) + beyond;
-        let step = [self.slope[0] * texel, self.slope[1] * texel];
-        // The triangle covers some of the centres, so the leaf's first lies within eight texels of it.
-        let error = f64::from(self.error) + (step[0].abs() + step[1].abs()) * 2.0f64.powi(-45);
-        let mut slices = [0; 64];
-        let mut doubtful = 0;
-        for y in 0..8 {
-            let mut sure = [0u64; 8];
-            for x in 0..8 {
-                let depth = corner + (x as f64 * step[0] + y as f64 * step[1]);
-                // Adding 2^52 rounds to a whole number and leaves it in the low bits.
-                let rounded = (depth - 0.5) + ROUNDER;
-                let share = depth - (rounded - ROUNDER);
-                slices[8 * y + x] = rounded.to_bits() as u32;
-                sure[x] = u64::from(share > error && share < 1.0 - error);
-            }
-            for (x, sure) in sure.iter().enumerate() {
-                doubtful |= (sure ^ 1) << (8 * y + x);
-            }
-        }
-        (slices, doubtful)
+    pub(super) fn leaf_deepest_at(&self, first: [i64; 2], texel: usize, resolution: Resolution) -> u32 {
+        self.leaf_plane(first, resolution).lowered(resolution).slice(texel).0
     }
 
     /// The slice at a lattice point, in exact integers.
@@ -170,6 +163,61 @@ impl BuildTriangle {
         let sum = along(numerators[0], p[0] - i64::from(self.x[0])) + along(numerators[1], p[1] - i64::from(self.y[0]));
         let depth = i128::from(self.z[0]) + sum.div_euclid(i128::from(area));
         (depth >> resolution.slice_shift()) as u32
+    }
+}
+
+/// Lattice point of a leaf's texel centre.
+fn leaf_center(first: [i64; 2], texel: usize, resolution: Resolution) -> [i64; 2] {
+    let steps = resolution.texel_steps();
+    [first[0] + (texel as i64 & 7) * steps, first[1] + (texel as i64 >> 3) * steps]
+}
+
+/// A plane over the 8 x 8 texels of a leaf, in slices.
+struct LeafPlane {
+    /// Depth at the first texel centre.
+    corner: f64,
+    /// From one texel to the next along x and y.
+    step: [f64; 2],
+    /// Bound on rounding errors.
+    error: f64,
+}
+
+impl LeafPlane {
+    /// The plane through the deepest points of the texels' squares.
+    #[inline(always)]
+    fn lowered(mut self, resolution: Resolution) -> Self {
+        let rise = 0.5 * (self.step[0].abs() + self.step[1].abs()) + 1.0 / 256.0;
+        self.corner += rise.min(f64::from(resolution.texels()));
+        self
+    }
+
+    /// Slice at a texel centre, and whether rounding cannot have made it wrong.
+    #[inline(always)]
+    fn slice(&self, texel: usize) -> (u32, bool) {
+        let depth = self.corner + ((texel & 7) as f64 * self.step[0] + (texel >> 3) as f64 * self.step[1]);
+        // Adding 2^52 rounds to a whole number and leaves it in the low bits.
+        let rounded = (depth - 0.5) + ROUNDER;
+        let share = depth - (rounded - ROUNDER);
+        (rounded.to_bits() as u32, share > self.error && share < 1.0 - self.error)
+    }
+
+    /// All 64 slices, and a bit for each that rounding may have made wrong.
+    #[inline]
+    fn slices(&self) -> ([u32; 64], u64) {
+        let mut slices = [0; 64];
+        let mut doubtful = 0;
+        for y in 0..8 {
+            let mut sure = [0u64; 8];
+            for x in 0..8 {
+                let (slice, is_sure) = self.slice(8 * y + x);
+                slices[8 * y + x] = slice;
+                sure[x] = u64::from(is_sure);
+            }
+            for (x, sure) in sure.iter().enumerate() {
+                doubtful |= (sure ^ 1) << (8 * y + x);
+            }
+        }
+        (slices, doubtful)
     }
 }
 

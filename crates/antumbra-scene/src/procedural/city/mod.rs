@@ -40,7 +40,7 @@ pub(crate) fn build(options: &Options) -> Scene {
         city.block(block, block.tag == center);
     }
     city.scene.materials = palette::materials();
-    city.scene.lights = vec![sun(148.0, 36.0)];
+    city.scene.lights = vec![sun(110.0, 33.0)];
     city.scene.cameras = cameras(&plan);
     city.scene
 }

@@ -29,12 +29,11 @@ pub(crate) fn ground(b: &mut Builder, plan: &Plan) {
     b.cuboid(Paint::Water, corner(-wet, DEPTH_M), corner(wet, WATER_M));
     b.loft(Paint::Asphalt, Shading::Flat, &banks(half, 0.0, |x| (-half.y, river.north_bank(x))));
     b.loft(Paint::Asphalt, Shading::Flat, &banks(half, 0.0, |x| (river.south_bank(x), half.y)));
-    for (inner, outer) in [(-9.0, 1.1), (1.1, -9.0)] {
-        let north = inner < 0.0;
+    for north in [true, false] {
         let edge = |x: f64| if north { river.north_bank(x) } else { river.south_bank(x) };
-        let (near, far) = if north { (inner, outer) } else { (-inner, -outer) };
-        b.loft(Paint::Paving, Shading::Flat, &banks(half, 0.2, |x| (edge(x) + near, edge(x) + far * 0.5)));
-        let wall = if north { (-0.1, 0.55) } else { (-0.55, 0.1) };
+        // The paving ends within the wall, so that their faces never coincide.
+        let (paving, wall) = if north { ((-9.0, 0.3), (-0.1, 0.55)) } else { ((-0.3, 9.0), (-0.55, 0.1)) };
+        b.loft(Paint::Paving, Shading::Flat, &banks(half, 0.2, |x| (edge(x) + paving.0, edge(x) + paving.1)));
         b.loft(Paint::Quay, Shading::Flat, &banks(half, 1.15, |x| (edge(x) + wall.0, edge(x) + wall.1)));
     }
 }
