@@ -250,9 +250,9 @@ fn build_light(
     let space = fit_directional(casters, light.direction_world, options.resolution)?;
     let limit = options.memory_limit.unwrap_or(u64::MAX);
     let out_of_memory = |stage| BakeError::Memory { limit, stage };
-    let casters_bytes = triangle_bytes(casters.counts.open + casters.counts.closed);
+    let casters_bytes = triangle_bytes(casters.len() as u64);
     let tables_limit = limit.checked_sub(casters_bytes).ok_or(out_of_memory("placing the casters"))?;
-    let mut triangles = Vec::new();
+    let mut triangles = Vec::with_capacity(casters.len());
     let mut first_hits = FirstHits::default();
     for_each_placed(casters, &space, |t, node| {
         first_hits.insert(t, node);

@@ -49,6 +49,22 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn many_lookups_equal_single_ones(
+        points in prop::collection::vec(prop::array::uniform3(-400.0f64..400.0), 0..40), room in 0usize..40,
+    ) {
+        let light = BAKED.file.light("sun").unwrap();
+        let points: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
+        let mut many = vec![-1.0; room];
+        light.visibility_many(&points, &mut many);
+        for (i, answer) in many.iter().enumerate() {
+            let expected = points.get(i).map_or(-1.0, |p| light.visibility(*p));
+            prop_assert_eq!(*answer, expected);
+        }
+    }
+}
+
 #[test]
 fn filters_are_odd_and_at_most_17() {
     for taps in [0, 2, 16, 18, 19] {

@@ -148,6 +148,18 @@ impl<'a> Casters<'a> {
         }
     }
 
+    /// Triangles that [`Casters::for_each`] gives, at most.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.verdicts.iter().map(Vec::len).sum()
+    }
+
+    /// Whether nothing casts.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// The scene that the casters belong to.
     #[must_use]
     pub fn scene(&self) -> &'a Scene {

@@ -96,12 +96,12 @@ fn read_normals(args: &Args, points: usize) -> Result<Option<Vec<DVec3>>> {
 fn look_up(light: LightShadow<'_>, points: &[DVec3], normals: Option<&[DVec3]>, filter: Filter) -> Vec<f32> {
     let mut values = vec![0.0; points.len()];
     values.par_chunks_mut(TASK).zip(points.par_chunks(TASK)).enumerate().for_each(|(task, (values, points))| {
+        if normals.is_none() && filter.taps() == 1 {
+            return light.visibility_many(points, values);
+        }
         let normals = normals.map(|normals| &normals[task * TASK..]);
         for (i, (value, point)) in values.iter_mut().zip(points).enumerate() {
-            *value = match (normals, filter.taps()) {
-                (None, 1) => light.visibility(*point),
-                (normals, _) => light.filtered(*point, normals.map(|n| n[i]), filter),
-            };
+            *value = light.filtered(*point, normals.map(|n| n[i]), filter);
         }
     });
     values
