@@ -11,7 +11,7 @@ use antumbra_scene::{Light, Scene};
 use crate::casters::occluder::FirstHits;
 use crate::casters::{Blend, CasterOptions, Casters, Inverted};
 use crate::columns::{Build, BuildError, BuildTriangle, build};
-use crate::dag::{Encoded, Id, Tables, encode};
+use crate::dag::{EncodeError, Encoded, Id, LIT, Tables, encode};
 use crate::light_space::Resolution;
 use crate::place::{fit_directional, for_each_placed};
 
@@ -125,12 +125,23 @@ pub enum BakeError {
     /// A light whose direction is not finite or zero.
     #[error("light \"{0}\" has no direction; fix its node's rotation")]
     LightDirection(String),
+    /// A node that lies nowhere.
+    #[error(
+        "node \"{0}\" lies at coordinates that are no finite numbers of a sane size; fix its transform or add --exclude"
+    )]
+    Misplaced(String),
+    /// A texel size that is none.
+    #[error("a texel of {0:e} m cannot be; give a positive number of metres")]
+    TexelSizeSign(f64),
+    /// More distinct nodes than ids or file offsets can number.
+    #[error("the lights need more nodes than a file can hold; lower --resolution or bake fewer lights per file")]
+    TooManyNodes,
     /// A policy that is not there.
     #[error("interior policy {0} is not in this version; use auto, open or closed")]
     Interior(&'static str),
     /// Texels so small that no grid has them.
     #[error(
-        "texels of {texel_m} m over {extent_m:.1} m need more than 1048576 per side; ask for at least {least_m:.3e} m"
+        "texels of {texel_m:e} m over {extent_m:.1} m need more than 1048576 per side; ask for at least {least_m:.3e} m"
     )]
     TexelSize {
         /// What was asked for.
@@ -183,7 +194,11 @@ fn bake_here(
     check(lights, options)?;
     progress.stage("finding closed parts");
     let find_solids = options.interior != Interior::Open;
-    let casters = Casters::new(scene, CasterOptions { find_solids, inverted: options.inverted, blend: options.blend });
+    let limit = options.memory_limit.unwrap_or(u64::MAX);
+    let caster_options =
+        CasterOptions { find_solids, inverted: options.inverted, blend: options.blend, memory_limit: limit };
+    let casters =
+        Casters::new(scene, caster_options).map_err(|_| BakeError::Memory { limit, stage: "finding closed parts" })?;
     if casters.counts.open + casters.counts.closed == 0 {
         return Err(BakeError::NoCasters);
     }
@@ -204,9 +219,14 @@ fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeError> {
     if let Some(light) = lights.iter().find(|l| l.kind != antumbra_scene::LightKind::Directional) {
         return Err(BakeError::LightKind(light.name.clone()));
     }
-    let has_direction = |l: &Light| l.direction_world.is_finite() && l.direction_world.length_squared() > 0.0;
+    let has_direction = |l: &Light| l.direction_world.is_finite() && l.direction_world != glam::DVec3::ZERO;
     if let Some(light) = lights.iter().find(|l| !has_direction(l)) {
         return Err(BakeError::LightDirection(light.name.clone()));
+    }
+    if let ResolutionRequest::TexelSize(texel_m) = options.resolution
+        && !(texel_m > 0.0 && texel_m.is_finite())
+    {
+        return Err(BakeError::TexelSizeSign(texel_m));
     }
     if lights.is_empty() { Err(BakeError::NoLights) } else { Ok(()) }
 }
@@ -264,11 +284,19 @@ fn build_light(
         triangles: &triangles,
         resolution: space.resolution(),
         tables,
-        // Numbering and encoding take about as much again.
-        memory_limit: tables_limit / 2,
+        memory_limit: tables_limit,
         progress: &|share| progress.advance(share),
     });
-    let root = root.map_err(|BuildError::MemoryLimit| out_of_memory("building"))?;
+    let root = root.map_err(|e| match e {
+        BuildError::MemoryLimit => out_of_memory("building"),
+        BuildError::TooManyNodes => BakeError::TooManyNodes,
+    })?;
+    if root == LIT {
+        let name = &light.name;
+        warnings.push(format!(
+            "no caster covers a texel of \"{name}\": everything is lit; look at the casters' sizes and places"
+        ));
+    }
     Ok(BuiltLight { record: space.record(), root, seconds: start.elapsed().as_secs_f64() })
 }
 
@@ -288,8 +316,11 @@ fn finish(
     warnings: Vec<String>,
 ) -> Result<Baked, BakeError> {
     let roots: Vec<(Id, u32)> = built.iter().map(|b| (b.root, b.record.log2_resolution)).collect();
-    let limit = u64::from(u32::MAX) * 4;
-    let encoded: Encoded = encode(tables, &roots).ok_or(BakeError::Memory { limit, stage: "encoding" })?;
+    let limit = options.memory_limit.unwrap_or(u64::MAX);
+    let encoded: Encoded = encode(tables, &roots, limit).map_err(|e| match e {
+        EncodeError::MemoryLimit => BakeError::Memory { limit, stage: "encoding" },
+        EncodeError::TooManyWords => BakeError::TooManyNodes,
+    })?;
     let (policy, parameter) = options.interior.to_record();
     let mut names = String::new();
     let mut records = Vec::with_capacity(built.len());

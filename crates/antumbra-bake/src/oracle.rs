@@ -6,7 +6,7 @@
 use crate::light_space::{LATERAL_BITS, LatticeTriangle, Resolution};
 
 /// Where a texel's transition may lie: any t with `enter <= t <= exit` is right (slices below t are lit, the others
-/// shadowed). `NEVER` stands for a texel without casters.
+/// shadowed). `u32::MAX` stands for never: a texel without casters is [`Interval::NEVER`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interval {
     /// First slice in shadow.

@@ -6,10 +6,13 @@ use crate::bake::{BakeError, ResolutionRequest};
 use crate::casters::Casters;
 use crate::light_space::{DirectionalSpace, LatticeTriangle, Resolution};
 
+/// Corners farther out than this are taken for a mistake: squares of such lengths still fit an `f64`.
+const FARTHEST_M: f64 = 1e100;
+
 /// The grid of a directional light about the casters.
 ///
 /// # Errors
-/// [`BakeError::TexelSize`] if no resolution has such small texels.
+/// [`BakeError::TexelSize`] if no resolution has such small texels, [`BakeError::Misplaced`] if a corner is not finite.
 pub fn fit_directional(
     casters: &Casters<'_>,
     direction_world: DVec3,
@@ -18,11 +21,19 @@ pub fn fit_directional(
     let axes = DirectionalSpace::axes(direction_world);
     let mut origin = None;
     let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let mut misplaced = None;
     casters.for_each(|t| {
+        if t.corners.iter().any(|c| c.abs().max_element() > FARTHEST_M || c.is_nan()) {
+            misplaced.get_or_insert(t.node);
+            return;
+        }
         let origin = *origin.get_or_insert(t.corners[0]);
         let [min, max] = DirectionalSpace::extent(&axes, origin, t.corners.into_iter());
         extent = [extent[0].min(min), extent[1].max(max)];
     });
+    if let Some(node) = misplaced {
+        return Err(BakeError::Misplaced(casters.scene().nodes[node].name.clone()));
+    }
     let side_m = DirectionalSpace::side_m(extent);
     let resolution = match request {
         ResolutionRequest::Default => Resolution::DEFAULT_DIRECTIONAL,

@@ -1,4 +1,5 @@
 //! Files as attackers and bad disks leave them: an error or the same answers, never a panic. And golden bytes.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 
@@ -134,7 +135,7 @@ proptest! {
         if let Ok(file) = ShadowFile::from_bytes(&with_pool(&file, &pool)) {
             let _ = canonical::check(&file);
             let light = file.light("sun").unwrap();
-            let filter = Filter::tent(17).unwrap();
+            let filter = Filter::new_tent(17).unwrap();
             for i in 0..512 {
                 let voxel = [i & 7, (i >> 3) & 7, i >> 6].map(|c| c * 8 + 3);
                 let _ = light.is_lit(voxel);
@@ -152,7 +153,7 @@ proptest! {
         if let Ok(file) = ShadowFile::from_bytes(&bytes) {
             for light in file.lights() {
                 let _ = light.visibility(DVec3::from_array(point));
-                let _ = light.filtered(DVec3::from_array(point), Some(DVec3::Y), Filter::tent(9).unwrap());
+                let _ = light.filtered(DVec3::from_array(point), Some(DVec3::Y), Filter::new_tent(9).unwrap());
             }
         }
     }

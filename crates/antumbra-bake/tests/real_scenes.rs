@@ -1,4 +1,5 @@
 //! The builder against the oracle on real scenes, where they are at hand, and on the procedural ones.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

@@ -197,7 +197,7 @@ fn uniform_file(name: &str, root: u32) -> ShadowFile {
 #[test]
 fn baked_shadows_are_looked_up_by_the_lights_name() {
     let scene = cluttered();
-    let filter = Filter::tent(3).expect("odd");
+    let filter = Filter::new_tent(3).expect("odd");
     let draw = |file: &ShadowFile| {
         render(&scene, &from_above(), &options(), ShadowSource::Dag { shadows: file, filter }, SILENT)
     };

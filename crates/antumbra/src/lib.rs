@@ -13,7 +13,7 @@
 //! let sun = file.light("sun").ok_or("the file has no light named sun")?;
 //! let point = DVec3::new(10.0, 1.5, -4.0);
 //! let hard = sun.visibility(point); // 0 = shadowed, 1 = lit
-//! let soft = sun.filtered(point, Some(DVec3::Y), Filter::tent(9)?);
+//! let soft = sun.filtered(point, Some(DVec3::Y), Filter::new_tent(9)?);
 //! # let _ = (hard, soft); Ok(()) }
 //! ```
 //!

@@ -74,7 +74,7 @@ fn print_row(scene: &str, order: &str, points: &[DVec3], shadow: LightShadow<'_>
     let point = best_rate(points, |p| shadow.visibility(p));
     let filtered = |filter: Filter| best_rate(points, move |p| shadow.filtered(p, None, filter));
     let (box3, box9) = (filtered(Filter::new_box(3)?), filtered(Filter::new_box(9)?));
-    let (tent9, tent17) = (filtered(Filter::tent(9)?), filtered(Filter::tent(17)?));
+    let (tent9, tent17) = (filtered(Filter::new_tent(9)?), filtered(Filter::new_tent(17)?));
     let toward_light = -shadow.direction_world();
     let ray = rate(&|p| f32::from(!tracer.occluded(&Ray::new(p, toward_light))));
     println!(

@@ -36,8 +36,12 @@ struct Welded {
 }
 
 /// Finds all closed parts among the casting nodes (indices into the scene's nodes). Alpha-masked triangles are never
-/// part of one.
-pub(crate) fn judge(scene: &Scene, casting: &[usize], blend: Blend) -> Parts {
+/// part of one. `None` if that would take more memory than the limit.
+pub(crate) fn judge(scene: &Scene, casting: &[usize], blend: Blend, memory_limit: u64) -> Option<Parts> {
+    let lasting = 17 * casting.iter().map(|&n| triangle_count(scene, n)).sum::<u64>();
+    if lasting + largest_at_once(scene, casting) > memory_limit {
+        return None;
+    }
     // A node that is closed as a whole is so because its components are: edges are shared only within them.
     let per_node: Vec<(usize, Components)> = casting
         .par_iter()
@@ -54,8 +58,33 @@ pub(crate) fn judge(scene: &Scene, casting: &[usize], blend: Blend) -> Parts {
         parts.add(&components);
         rest.extend(components.open);
     }
+    if lasting + weld_bytes(rest.len() as u64, 3 * rest.len() as u64) > memory_limit {
+        return None;
+    }
     parts.add(&split_components(&weld_world(scene, casting, &rest, blend)));
-    parts
+    Some(parts)
+}
+
+fn triangle_count(scene: &Scene, node: usize) -> u64 {
+    let primitives = &scene.meshes[scene.nodes[node].mesh].primitives;
+    primitives.iter().map(|p| (p.triangles.len() + p.seams.len()) as u64).sum()
+}
+
+/// Bytes that welding and splitting take: corners, three edges, a set and a place per triangle; a map's entry per vertex.
+fn weld_bytes(triangles: u64, vertices: u64) -> u64 {
+    90 * triangles + 50 * vertices
+}
+
+/// Bytes that the largest nodes take that threads may judge at the same time.
+fn largest_at_once(scene: &Scene, casting: &[usize]) -> u64 {
+    let node_bytes = |&node: &usize| {
+        let primitives = &scene.meshes[scene.nodes[node].mesh].primitives;
+        let vertices = primitives.iter().map(|p| p.positions.len() as u64).sum::<u64>();
+        weld_bytes(triangle_count(scene, node), vertices)
+    };
+    let mut bytes: Vec<u64> = casting.iter().map(node_bytes).collect();
+    bytes.sort_unstable_by(|a, b| b.cmp(a));
+    bytes.iter().take(rayon::current_num_threads()).sum()
 }
 
 impl Parts {
@@ -87,7 +116,9 @@ fn split_components(triangles: &[Welded]) -> Components {
     let mut edges: Vec<(u64, u32, i8)> = Vec::with_capacity(3 * triangles.len());
     for (index, t) in triangles.iter().enumerate() {
         let key = |a: u32, b: u32| (u64::from(a) << 32) | u64::from(b);
-        edges.extend(edges_of(t.corners).map(|(a, b, sign)| (key(a, b), index as u32, sign as i8)));
+        // Corners may coincide once a node's transform has squashed them: such an edge joins and unbalances nothing.
+        let whole = edges_of(t.corners).into_iter().filter(|(a, b, _)| a != b);
+        edges.extend(whole.map(|(a, b, sign)| (key(a, b), index as u32, sign as i8)));
     }
     edges.par_sort_unstable();
     let mut sets = DisjointSets::new(triangles.len());

@@ -40,13 +40,7 @@ pub(crate) fn judge_places(scene: &Scene, casting: &[usize], parts: &Parts, blen
         return places;
     }
     let probes: Vec<DVec3> = inward.iter().map(|&p| shapes[p].probe_outside()).collect();
-    // The other parts that can hold each probe; a winding number outside a part's box is zero.
-    let mut probes_in = vec![Vec::new(); parts.count];
-    for (i, (&own, probe)) in inward.iter().zip(&probes).enumerate() {
-        for part in (0..parts.count).filter(|&part| part != own && contains(&shapes[part].bounds, *probe)) {
-            probes_in[part].push(i);
-        }
-    }
+    let probes_in = probes_in_parts(&shapes, &inward, &probes);
     let mut windings = vec![0; inward.len()];
     for_each_triangle(scene, casting, parts, blend, |part, corners| {
         for &i in &probes_in[part] {
@@ -57,6 +51,18 @@ pub(crate) fn judge_places(scene: &Scene, casting: &[usize], parts: &Parts, blen
         places[part] = if winding > 0 { Place::InSolid } else { Place::Lone };
     }
     places
+}
+
+/// For each part, the probes of other parts that lie in its box: outside, its winding number is zero.
+fn probes_in_parts(shapes: &[Shape], inward: &[usize], probes: &[DVec3]) -> Vec<Vec<usize>> {
+    let mut along_x: Vec<usize> = (0..probes.len()).collect();
+    along_x.sort_by(|&a, &b| probes[a].x.total_cmp(&probes[b].x));
+    let within = |(part, shape): (usize, &Shape)| {
+        let first = along_x.partition_point(|&i| probes[i].x < shape.bounds.min.x);
+        let beside = along_x[first..].iter().take_while(|&&i| probes[i].x <= shape.bounds.max.x);
+        beside.copied().filter(|&i| inward[i] != part && contains(&shape.bounds, probes[i])).collect()
+    };
+    shapes.iter().enumerate().map(within).collect()
 }
 
 /// Calls `each` with every closed part's triangles, counter-clockwise seen from outside, in the world.

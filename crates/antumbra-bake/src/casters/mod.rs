@@ -57,6 +57,16 @@ pub struct CasterOptions {
     pub inverted: Inverted,
     /// Translucent triangles.
     pub blend: Blend,
+    /// Bytes that judging may take.
+    pub memory_limit: u64,
+}
+
+/// Judging needs more memory than it may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("finding closed parts needs more memory than the limit of {limit} bytes")]
+pub struct CastersOutOfMemory {
+    /// The limit.
+    pub limit: u64,
 }
 
 /// Counts for reports.
@@ -100,12 +110,20 @@ pub struct CasterTriangle {
 }
 
 impl<'a> Casters<'a> {
-    /// Chooses and judges. Time and memory in proportion to the triangles; deterministic.
-    #[must_use]
-    pub fn new(scene: &'a Scene, options: CasterOptions) -> Self {
+    /// Chooses and judges; deterministic. Time and memory in proportion to the triangles (and, beyond that, to pairs of
+    /// an inward part and a part about it). The scene's indices must be in range, as its loaders leave them.
+    ///
+    /// # Errors
+    /// [`CastersOutOfMemory`], judged by an estimate before the memory is taken.
+    pub fn new(scene: &'a Scene, options: CasterOptions) -> Result<Self, CastersOutOfMemory> {
         let blend = options.blend;
         let nodes: Vec<usize> = (0..scene.nodes.len()).filter(|&n| !scene.nodes[n].dynamic).collect();
-        let parts = if options.find_solids { closed::judge(scene, &nodes, blend) } else { closed::Parts::none() };
+        let limit = options.memory_limit;
+        let parts = if options.find_solids {
+            closed::judge(scene, &nodes, blend, limit).ok_or(CastersOutOfMemory { limit })?
+        } else {
+            closed::Parts::none()
+        };
         let places = lone::judge_places(scene, &nodes, &parts, blend);
         let verdict_of_part = |part: u32| match (places[part as usize], options.inverted) {
             (lone::Place::Outward | lone::Place::InSolid, _) => Verdict::Solid,
@@ -126,7 +144,7 @@ impl<'a> Casters<'a> {
             verdicts.push(judged.collect());
         }
         counts.left_out = scene.triangle_count() - counts.open - counts.closed;
-        Self { scene, blend, nodes, verdicts, counts }
+        Ok(Self { scene, blend, nodes, verdicts, counts })
     }
 
     /// Calls `each` with every casting triangle, in the scene's order. Seams take part only where they bound solids.

@@ -61,8 +61,11 @@ impl FirstHits {
         sorted.sort_unstable();
         let most = sorted.chunk_by(|a, b| a == b).max_by_key(|same| same.len())?;
         let share = most.len() as f64 / contested.len() as f64;
+        // A few samples over one small thing say nothing about a scene.
+        let covered = self.samples.iter().flatten().count();
         let everywhere = self.samples.iter().flatten().filter(|s| s.nearest.1 == most[0]).count();
-        (share >= NEARLY_ALL && everywhere * 10 >= 9 * self.samples.iter().flatten().count()).then(|| {
+        let widely = contested.len() * 10 >= covered && everywhere * 10 >= 9 * covered;
+        (share >= NEARLY_ALL && widely).then(|| {
             let name = &scene.nodes[most[0]].name;
             format!(
                 "node \"{name}\" lies between the light and {:.0} % of everything else: if it is a sky dome or the like, add --exclude \"{name}\"",

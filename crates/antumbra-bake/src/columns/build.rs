@@ -32,6 +32,9 @@ pub enum BuildError {
     /// The tables outgrew the limit.
     #[error("the nodes outgrow the memory limit")]
     MemoryLimit,
+    /// The tables ran out of ids.
+    #[error("there are more distinct nodes than ids")]
+    TooManyNodes,
 }
 
 /// Tiles whose lists are longer than this share of all triangles are split over threads.
@@ -39,11 +42,14 @@ const SPLIT_SHARE: usize = 256;
 /// Tiles of at least this share of the light's side (as a power of two) are split over threads.
 const SPLIT_LEVELS: u32 = 5;
 
+/// Tiles of this size look at the limits: often enough to stop in time, seldom enough to cost nothing.
+const LIMITS_LOG2: u32 = 8;
+
 /// Builds a light's graph; returns its root. Runs on the current rayon pool; the root stands for the same graph
 /// whatever the number of threads.
 ///
 /// # Errors
-/// [`BuildError::MemoryLimit`].
+/// [`BuildError`].
 pub fn build(build: &Build<'_>) -> Result<Id, BuildError> {
     let resolution = build.resolution;
     let root = Tile::root(resolution);
@@ -57,6 +63,9 @@ pub fn build(build: &Build<'_>) -> Result<Id, BuildError> {
         done: AtomicU64::new(0),
     };
     let column = shared.tile(root, entries, resolution.texels());
+    if build.tables.are_full() {
+        return Err(BuildError::TooManyNodes);
+    }
     if shared.stopped.load(Ordering::Relaxed) {
         return Err(BuildError::MemoryLimit);
     }
@@ -124,7 +133,11 @@ impl Shared<'_> {
         let done = self.done.fetch_add(texels, Ordering::Relaxed) + texels;
         let all = 1u64 << (2 * self.build.resolution.log2());
         (self.build.progress)(done as f64 / all as f64);
-        if self.build.tables.bytes() > self.build.memory_limit {
+        self.check_limits();
+    }
+
+    fn check_limits(&self) {
+        if self.build.tables.bytes() > self.build.memory_limit || self.build.tables.are_full() {
             self.stopped.store(true, Ordering::Relaxed);
         }
     }
@@ -160,6 +173,9 @@ impl<'a> Worker<'a> {
         if tile.log2 == LEAF_LOG2 {
             let leaf = Leaf { triangles, tables, resolution, tile, clamp };
             return self.leaf.push_column(leaf, entries, &mut self.runs);
+        }
+        if tile.log2 == LIMITS_LOG2 {
+            self.shared.check_limits();
         }
         let mut lists = std::mem::take(&mut self.lists[tile.log2 as usize]);
         lists.iter_mut().for_each(Vec::clear);

@@ -140,6 +140,7 @@ impl LeafScratch {
                     first = first.max(rays.enter[texel]);
                 }
             });
+            debug_assert!(turning != 0, "a ray enters behind its exit");
             lit &= !turning;
             self.transitions.push(Transition { first, last, lit });
         }

@@ -9,7 +9,8 @@ pub(super) enum Settled {
     Lit,
     /// Any depth from `enter` to `exit` is right for every texel.
     Plane { enter: u32, exit: u32 },
-    /// Texels differ. Every texel is in shadow at slice `clamp` and need not enter it later.
+    /// Texels differ. Every texel is in shadow at slice `clamp` and need not enter it later, unless `clamp` lies behind
+    /// the last slice.
     Mixed { clamp: u32 },
 }
 

@@ -1,6 +1,6 @@
 //! Tiles of a quadtree over the shadow map, and which triangles touch them.
 
-use super::triangle::BuildTriangle;
+use super::triangle::{BuildTriangle, ROUNDING};
 use crate::light_space::Resolution;
 
 /// A square of 2^log2 texels per side.
@@ -77,9 +77,6 @@ pub(super) struct Split {
 
 /// Depth intervals are widened by this many slices, so that rounding opens no gap between neighbours.
 const WIDEN_SLICES: f64 = 1.0 / 256.0;
-
-/// Relative bound on the rounding of a depth, of the greatest term in it.
-const ROUNDING: f64 = 1.0 / (1u64 << 49) as f64;
 
 impl Split {
     pub fn new(parent: Tile, resolution: Resolution) -> Self {

@@ -21,8 +21,11 @@ const FACES_LIGHT: u32 = 2;
 const EDGE_ON: u32 = 4;
 const SOLID_FACING: u32 = SOLID | FACES_LIGHT;
 
-/// 2^52: the spacing of doubles from here on is one.
-const ROUNDER: f64 = (1u64 << 52) as f64;
+/// Relative bound on the rounding of a depth, of the greatest term in it: 2^-49.
+pub(super) const ROUNDING: f64 = 1.0 / (1u64 << 49) as f64;
+
+/// 1.5 * 2^52: doubles near it are whole numbers, those a little below it too.
+const ROUNDER: f64 = (3u64 << 51) as f64;
 
 impl BuildTriangle {
     /// `None` for a triangle that can neither cover a texel nor bound a solid.
@@ -60,7 +63,7 @@ impl BuildTriangle {
         let reach = |c: [i32; 3]| f64::from(c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]));
         let span = self.slope[0].abs() * reach(self.x) + self.slope[1].abs() * reach(self.y);
         // A handful of roundings of terms no greater than the span, and of a sum no greater than 2^20.
-        self.error = (span * 2.0f64.powi(-49) + 2.0f64.powi(-30)) as f32;
+        self.error = (span * ROUNDING + 1.0 / (1u64 << 30) as f64) as f32;
     }
 
     /// Exact depth gradient on the lattice: numerators along x and y, and their common denominator, the doubled area.
@@ -118,7 +121,7 @@ impl BuildTriangle {
         let corner = self.depth([first[0] as f64, first[1] as f64], resolution.slices_per_step());
         let step = [self.slope[0] * texel, self.slope[1] * texel];
         // The triangle covers some of the centres, so the leaf's first lies within eight texels of it.
-        let error = f64::from(self.error) + (step[0].abs() + step[1].abs()) * 2.0f64.powi(-45);
+        let error = f64::from(self.error) + (step[0].abs() + step[1].abs()) * 16.0 * ROUNDING;
         LeafPlane { corner, step, error }
     }
 
@@ -195,7 +198,7 @@ impl LeafPlane {
     #[inline(always)]
     fn slice(&self, texel: usize) -> (u32, bool) {
         let depth = self.corner + ((texel & 7) as f64 * self.step[0] + (texel >> 3) as f64 * self.step[1]);
-        // Adding 2^52 rounds to a whole number and leaves it in the low bits.
+        // Adding so much rounds to a whole number and leaves it in the low bits.
         let rounded = (depth - 0.5) + ROUNDER;
         let share = depth - (rounded - ROUNDER);
         (rounded.to_bits() as u32, share > self.error && share < 1.0 - self.error)

@@ -14,9 +14,26 @@ pub struct Encoded {
     pub added: Vec<(NodeCounts, u64)>,
 }
 
-/// Encodes what is reachable from (root, level) pairs; `None` if the pool would have 2^32 words or more.
-#[must_use]
-pub fn encode(tables: Tables, roots: &[(Id, u32)]) -> Option<Encoded> {
+/// Why nodes cannot be encoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EncodeError {
+    /// References have 32 bits.
+    #[error("the pool would have 2^32 words or more")]
+    TooManyWords,
+    /// The nodes, their order and the file together outgrow the limit.
+    #[error("encoding needs more than the memory limit")]
+    MemoryLimit,
+}
+
+/// Encodes what is reachable from (root, level) pairs, in time and memory in proportion to the tables.
+///
+/// # Errors
+/// [`EncodeError`]; the limit, in bytes, holds for the tables, the work on them and the finished file.
+pub fn encode(tables: Tables, roots: &[(Id, u32)], memory_limit: u64) -> Result<Encoded, EncodeError> {
+    let tables_bytes = tables.bytes();
+    let fits = |bytes: u64| if bytes <= memory_limit { Ok(()) } else { Err(EncodeError::MemoryLimit) };
+    // A place and an entry in the order for every key, which is at least 8 bytes long.
+    fits(tables_bytes + tables_bytes / 2)?;
     let mut order = Order::new(tables);
     let mut added = Vec::with_capacity(roots.len());
     for &(root, level) in roots {
@@ -30,9 +47,11 @@ pub fn encode(tables: Tables, roots: &[(Id, u32)]) -> Option<Encoded> {
         };
         added.push((counts, order.words() - words));
     }
-    u32::try_from(order.words() + POOL_HEADER_WORDS as u64).ok()?;
+    let words = order.words() + POOL_HEADER_WORDS as u64;
+    u32::try_from(words).map_err(|_| EncodeError::TooManyWords)?;
+    fits((tables_bytes + tables_bytes / 2 + 4 * words).max(8 * words))?;
     let (pool, roots) = order.write(roots);
-    Some(Encoded { pool, roots, added })
+    Ok(Encoded { pool, roots, added })
 }
 
 /// The canonical order: masks and slice nodes as first met by a depth-first walk, inner nodes behind their children.

@@ -6,5 +6,5 @@
 mod encode;
 mod table;
 
-pub use encode::{Encoded, encode};
+pub use encode::{EncodeError, Encoded, encode};
 pub use table::{Id, LIT, NodeTable, SHADOWED, Tables};

@@ -1,7 +1,7 @@
 //! Sharded hash-consing tables, shared by all threads and all lights of a bake.
 
 use std::hash::{BuildHasher, Hash, Hasher};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use hashbrown::HashTable;
@@ -19,6 +19,8 @@ const FIRST_ID: u32 = 2;
 
 const SHARD_BITS: u32 = 6;
 const SHARDS: usize = 1 << SHARD_BITS;
+/// Most keys per shard: an id has 32 bits for the key's place, the shard and the tag.
+const MOST_KEYS: u32 = (1 << (31 - SHARD_BITS)) - 1;
 
 /// The three tables of a bake. Ids of slice nodes and of inner nodes differ: an inner node over 16 voxels per side holds
 /// the former, a greater one the latter, and the two must not be taken for each other.
@@ -57,6 +59,11 @@ impl Tables {
         homogeneous(&octants).unwrap_or_else(|| self.inner.intern(octants))
     }
 
+    /// Whether a table has run out of ids: results are then of no use.
+    pub fn are_full(&self) -> bool {
+        self.masks.is_full() || self.slices.is_full() || self.inner.is_full()
+    }
+
     /// Bytes that the tables hold.
     pub fn bytes(&self) -> u64 {
         self.masks.bytes() + self.slices.bytes() + self.inner.bytes()
@@ -74,6 +81,7 @@ pub struct NodeTable<K> {
     /// Lowest bit of the table's ids, before [`FIRST_ID`] is added.
     tag: u32,
     bytes: AtomicU64,
+    full: AtomicBool,
 }
 
 struct Shard<K> {
@@ -84,7 +92,12 @@ struct Shard<K> {
 impl<K: Copy + Eq + FastHash> NodeTable<K> {
     fn new(tag: u32) -> Self {
         let shard = || Mutex::new(Shard { keys: Vec::new(), index: HashTable::new() });
-        Self { shards: (0..SHARDS).map(|_| shard()).collect(), tag, bytes: AtomicU64::new(0) }
+        Self {
+            shards: (0..SHARDS).map(|_| shard()).collect(),
+            tag,
+            bytes: AtomicU64::new(0),
+            full: AtomicBool::new(false),
+        }
     }
 
     /// The key's id, new or old.
@@ -98,6 +111,10 @@ impl<K: Copy + Eq + FastHash> NodeTable<K> {
             return self.id(local, shard_number);
         }
         let local = keys.len() as u32;
+        if local >= MOST_KEYS {
+            self.full.store(true, Ordering::Relaxed);
+            return LIT;
+        }
         let capacity = keys.capacity();
         keys.push(key);
         index.insert_unique(hash, local, |&i| keys[i as usize].fast_hash());
@@ -112,9 +129,14 @@ impl<K: Copy + Eq + FastHash> NodeTable<K> {
     }
 
     fn account(&self, added_keys: usize) {
-        // A key, its slot in the index and the slot's control byte.
-        let per_key = size_of::<K>() + size_of::<u32>() + 1;
+        // A key, and up to two slots in the index with their control bytes.
+        let per_key = size_of::<K>() + 2 * (size_of::<u32>() + 1);
         self.bytes.fetch_add((added_keys * per_key) as u64, Ordering::Relaxed);
+    }
+
+    /// Whether a key found no room; ids are then wrong and the bake must end.
+    fn is_full(&self) -> bool {
+        self.full.load(Ordering::Relaxed)
     }
 
     /// Bytes held, to within the allocator's rounding.

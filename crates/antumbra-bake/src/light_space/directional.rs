@@ -31,7 +31,9 @@ impl DirectionalSpace {
     /// same bits on every machine.
     #[must_use]
     pub fn axes(direction_world: DVec3) -> [DVec3; 3] {
-        let along = direction_world / direction_world.dot(direction_world).sqrt();
+        // Scaled first, so that squares neither overflow nor vanish.
+        let scaled = direction_world / direction_world.abs().max_element();
+        let along = scaled / scaled.dot(scaled).sqrt();
         let helper = if along.y.abs() < 0.99 { DVec3::Y } else { DVec3::Z };
         let right = along.cross(helper);
         let right = right / right.dot(right).sqrt();
@@ -52,8 +54,9 @@ impl DirectionalSpace {
     #[must_use]
     pub fn side_m([min, max]: [DVec3; 2]) -> f64 {
         let size = max - min;
-        // A lone edge-on triangle has no width: any positive one serves.
-        let least = f64::max(1e-6 * size.max_element(), 1e-9);
+        // A lone edge-on triangle has no width, a single point no size: any positive width serves.
+        let greatest = size.max_element();
+        let least = if greatest > 0.0 { 1e-6 * greatest } else { 1e-9 };
         size.x.max(size.y).max(least)
     }
 

@@ -92,8 +92,9 @@ pub fn bake_for_check(scene: &Scene, light: &Light, options: &BakeOptions) -> Ch
     let file = ShadowFile::from_bytes(&baked.bytes).unwrap();
     antumbra::format::canonical::check(&file).unwrap();
     let find_solids = options.interior != Interior::Open;
-    let caster_options = CasterOptions { find_solids, inverted: Inverted::Open, blend: Blend::Skip };
-    let casters = Casters::new(scene, caster_options);
+    let caster_options =
+        CasterOptions { find_solids, inverted: Inverted::Open, blend: Blend::Skip, memory_limit: u64::MAX };
+    let casters = Casters::new(scene, caster_options).unwrap();
     let space = fit_directional(&casters, light.direction_world, options.resolution).unwrap();
     let mut triangles = Vec::new();
     for_each_placed(&casters, &space, |t, _| triangles.push(*t));

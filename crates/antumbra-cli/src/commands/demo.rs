@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn draw_city(scene: &Scene, shadows: &ShadowFile, progress: &Progress) -> Result<Vec<u8>> {
     let camera = scene.cameras.first().map_or_else(|| default_camera(scene), |camera| Ok(camera.clone()))?;
-    let source = ShadowSource::Dag { shadows, filter: Filter::tent(FILTER_TAPS)? };
+    let source = ShadowSource::Dag { shadows, filter: Filter::new_tent(FILTER_TAPS)? };
     Ok(draw(scene, &camera, &RenderOptions::default(), source, progress)?.to_png()?)
 }
 

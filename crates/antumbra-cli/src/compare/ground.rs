@@ -4,6 +4,7 @@ use antumbra_bake::casters::{CasterOptions, Casters};
 use antumbra_bake::{Blend, Inverted};
 use antumbra_render::{Ray, Tracer, TriangleId};
 use antumbra_scene::{AlphaMode, Material, Node, Scene};
+use anyhow::Result;
 use glam::DVec3;
 
 /// What is true of a point and a light.
@@ -38,16 +39,17 @@ pub struct Ground {
 }
 
 impl Ground {
-    pub fn new(scene: &Scene, blend: Blend, inverted: Inverted) -> Self {
+    pub fn new(scene: &Scene, blend: Blend, inverted: Inverted) -> Result<Self> {
         let casts = |node: &Node, material: &Material| {
             !node.dynamic && (material.alpha_mode != AlphaMode::Blend || blend == Blend::Opaque)
         };
         let tracer = Tracer::new(scene, casts);
-        let casters = Casters::new(scene, CasterOptions { find_solids: true, inverted, blend });
+        let memory_limit = u64::MAX;
+        let casters = Casters::new(scene, CasterOptions { find_solids: true, inverted, blend, memory_limit })?;
         let sides = sides(&tracer, &casters);
         let bounds = tracer.bounds();
         let largest = if bounds.is_empty() { 0.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-        Self { near_m: 1e-14 * largest + 1e-12 * bounds.diagonal(), tracer, sides }
+        Ok(Self { near_m: 1e-14 * largest + 1e-12 * bounds.diagonal(), tracer, sides })
     }
 
     pub fn tracer(&self) -> &Tracer {

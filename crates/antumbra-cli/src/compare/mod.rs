@@ -113,7 +113,7 @@ pub struct Worst {
 /// Compares every light of a file.
 pub fn compare(file: &ShadowFile, scene: &Scene, wish: Wish, progress: &Progress) -> Result<Comparison> {
     progress.stage("building the ray tracer");
-    let ground = Ground::new(scene, wish.blend, wish.inverted);
+    let ground = Ground::new(scene, wish.blend, wish.inverted)?;
     ensure!(
         ground.tracer().triangle_count() > 0,
         "the scene has no triangles that cast shadows: nothing to compare with"

@@ -53,7 +53,7 @@ fn answers_are_the_runtimes_own() {
     assert_eq!(values(""), plain);
     assert_eq!(values("--threads 3"), plain);
     assert_eq!(plain[5000..5002], [1.0; 2]);
-    let filter = Filter::tent(5).expect("odd");
+    let filter = Filter::new_tent(5).expect("odd");
     let soft: Vec<f32> = points.iter().map(|p| sun.filtered(*p, None, filter)).collect();
     assert_eq!(values("--filter 5 --kernel tent"), soft);
     let filter = Filter::new_box(3).expect("odd");

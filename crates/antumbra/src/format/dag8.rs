@@ -194,12 +194,6 @@ impl Checked {
             }
     }
 
-    /// Where each kind of node lies.
-    #[must_use]
-    pub fn layout(&self) -> Layout {
-        self.layout
-    }
-
     /// Nodes by kind in the whole pool.
     #[must_use]
     pub fn counts(&self) -> NodeCounts {
@@ -217,7 +211,7 @@ impl Checked {
 fn meet_above(node: Levels, child: Levels) -> Option<Levels> {
     let above = match child {
         Levels::NoNode => return None,
-        Levels::Exactly(l) => Levels::Exactly(l + 1),
+        Levels::Exactly(l) => Levels::Exactly(l.checked_add(1)?),
         Levels::AtLeast(l) => Levels::AtLeast(l.saturating_add(1)),
     };
     match (node, above) {

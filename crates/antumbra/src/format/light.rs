@@ -1,7 +1,7 @@
 //! Light records: where a light's grid lies in the world, and where its nodes begin.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::FormatError;
 
@@ -171,13 +171,6 @@ impl LightRecord {
     #[must_use]
     pub fn resolution(&self) -> u32 {
         1 << self.log2_resolution
-    }
-
-    /// The linear part of the projection, voxels per metre.
-    #[must_use]
-    pub fn linear(&self) -> DMat3 {
-        let [rx, ry, rz] = self.voxel_from_offset;
-        DMat3::from_cols_array_2d(&[[rx[0], ry[0], rz[0]], [rx[1], ry[1], rz[1]], [rx[2], ry[2], rz[2]]])
     }
 
     /// Voxel coordinates of a world point (real-valued: floor them for the voxel's indices).

@@ -49,3 +49,5 @@ pub const VERSION_MINOR: u16 = 0;
 pub const SECTION_ALIGNMENT: usize = 256;
 /// Most sections in a file.
 pub const MAX_SECTIONS: usize = 64;
+/// Most lights in a file: a reader makes up to 128 KiB for each.
+pub const MAX_LIGHTS: usize = 4096;

@@ -1,5 +1,6 @@
 //! Puts sections together into a file's bytes.
 
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
 use xxhash_rust::xxh3::xxh3_64;
@@ -26,7 +27,7 @@ pub struct Contents<'a> {
 #[must_use]
 pub fn write(contents: &Contents<'_>) -> Vec<u8> {
     let lights: Vec<LightRecord> = contents.lights.iter().map(|r| r.to_le()).collect();
-    let pool: Vec<u32> = contents.pool.iter().map(|w| w.to_le()).collect();
+    let pool = pool_to_le(contents.pool);
     let stats = contents.stats.to_le();
     assemble(&[
         (*b"LGTS", REQUIRED, bytemuck::cast_slice(&lights)),
@@ -36,10 +37,18 @@ pub fn write(contents: &Contents<'_>) -> Vec<u8> {
     ])
 }
 
+/// The words in little-endian order: as they are on nearly every machine.
+fn pool_to_le(pool: &[u32]) -> Cow<'_, [u32]> {
+    if cfg!(target_endian = "little") { Cow::Borrowed(pool) } else { pool.iter().map(|w| w.to_le()).collect() }
+}
+
 /// Header, table and sections, in the order given.
 pub(crate) fn assemble(sections: &[([u8; 4], u32, &[u8])]) -> Vec<u8> {
     let table_end = HEADER_BYTES + sections.len() * ENTRY_BYTES;
-    let mut bytes = alloc::vec![0; table_end];
+    let padded = |size: usize| size.next_multiple_of(SECTION_ALIGNMENT);
+    let total = padded(table_end) + sections.iter().map(|(_, _, data)| padded(data.len())).sum::<usize>();
+    let mut bytes = Vec::with_capacity(total);
+    bytes.resize(table_end, 0);
     let mut table = Vec::with_capacity(sections.len() * ENTRY_BYTES);
     for &(kind, flags, data) in sections {
         bytes.resize(bytes.len().next_multiple_of(SECTION_ALIGNMENT), 0);

@@ -22,9 +22,6 @@ pub struct Filter {
 pub const MAX_TAPS: u32 = 17;
 
 impl Filter {
-    /// One tap: the plain point lookup.
-    pub const POINT: Self = Self { taps: 1, kernel: Kernel::Box };
-
     /// K x K taps of the given kernel.
     ///
     /// # Errors
@@ -45,7 +42,7 @@ impl Filter {
     ///
     /// # Errors
     /// As [`Filter::new`].
-    pub fn tent(taps: u32) -> Result<Self, FilterError> {
+    pub fn new_tent(taps: u32) -> Result<Self, FilterError> {
         Self::new(taps, Kernel::Tent)
     }
 

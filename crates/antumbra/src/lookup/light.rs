@@ -7,7 +7,6 @@ use super::many;
 use super::pcf;
 use super::point::is_lit;
 use super::top_grid::TopGrid;
-use crate::format::dag8::LIT;
 use crate::{Interior, LightKind, LightRecord, ShadowFile};
 
 /// A light of a [`ShadowFile`]. Cheap to copy.
@@ -100,7 +99,8 @@ impl<'a> LightShadow<'a> {
     ///
     /// With a unit surface normal (world space) the sample first moves off the surface, just far enough that a plane
     /// with that normal does not shadow itself under any tap; where geometry is closed a single tap needs none.
-    /// Taps outside the volume sideways count as lit.
+    /// Taps outside the volume sideways count as lit. Cost: two to four point lookups for 9 x 9 taps, at most 4 masks (9
+    /// for 17 x 17).
     #[inline]
     #[must_use]
     pub fn filtered(self, point_world: DVec3, normal_world: Option<DVec3>, filter: Filter) -> f32 {
@@ -135,12 +135,6 @@ impl<'a> LightShadow<'a> {
 
     pub(crate) fn top_grid(self) -> &'a TopGrid {
         &self.file.top_grids[self.index]
-    }
-
-    /// Whether the whole light is one homogeneous volume.
-    #[must_use]
-    pub fn is_all_lit(self) -> bool {
-        self.record().roots[0] == LIT
     }
 }
 

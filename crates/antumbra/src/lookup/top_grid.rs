@@ -4,12 +4,13 @@
 use alloc::vec::Vec;
 
 use super::point::descend;
-use crate::format::dag8::SLICE_LEVEL;
+use crate::format::dag8::{SHADOWED, SLICE_LEVEL};
 
 /// log2 of the cells per side, where the light is large enough.
 const MAX_LOG2_CELLS: u32 = 5;
 
 /// References to the nodes at the level with min(32, N/8) nodes per side, x fastest, z slowest: 128 KiB at N >= 256.
+/// A homogeneous light has a single cell.
 #[derive(Clone, Debug)]
 pub(crate) struct TopGrid {
     cells: Vec<u32>,
@@ -20,7 +21,8 @@ pub(crate) struct TopGrid {
 
 impl TopGrid {
     pub(crate) fn new(pool: &[u32], root: u32, log2_resolution: u32) -> Self {
-        let log2_cells = MAX_LOG2_CELLS.min(log2_resolution - SLICE_LEVEL);
+        let most = if root <= SHADOWED { 0 } else { MAX_LOG2_CELLS };
+        let log2_cells = most.min(log2_resolution - SLICE_LEVEL);
         let level = log2_resolution - log2_cells;
         let side = 1u32 << log2_cells;
         let cells = (0..side.pow(3))

@@ -1,0 +1,142 @@
+//! Node pools, records and sections made by hand to be wrong in one way each, behind right checksums.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use antumbra::format::stat::BakeStats;
+use antumbra::format::write::{Contents, write};
+use antumbra::format::{MAX_LIGHTS, canonical};
+use antumbra::{FormatError, LightRecord, ShadowFile};
+
+fn record(root: u32, log2_resolution: u32) -> LightRecord {
+    let mut record: LightRecord = bytemuck::Zeroable::zeroed();
+    (record.texel_size_m, record.slice_size_m) = (1.0, 1.0);
+    record.log2_resolution = log2_resolution;
+    record.roots[0] = root;
+    record
+}
+
+fn file(records: &[LightRecord], pool: &[u32]) -> Result<ShadowFile, FormatError> {
+    ShadowFile::from_bytes(&write(&Contents { lights: records, names: "", pool, stats: BakeStats::default() }))
+}
+
+/// A pool of one mask (word 8), the given slice nodes (from word 10) and inner nodes behind them.
+fn pool(slices: &[u32], inner: &[u32]) -> Vec<u32> {
+    let header = [2, slices.len() as u32, inner.len() as u32, 0, 0, 0, 0, 0, 1, 0];
+    [&header, slices, inner].concat()
+}
+
+/// A light of 64 texels whose root is the chain's last node.
+fn chain(links: usize) -> (Vec<u32>, u32) {
+    let mut inner = Vec::new();
+    let mut last = 10;
+    for _ in 0..links {
+        let at = 12 + inner.len() as u32;
+        inner.extend([0b10, last]);
+        last = at;
+    }
+    (pool(&[0b10, 8], &inner), last)
+}
+
+#[test]
+fn a_sound_pool_is_accepted() {
+    let (pool, root) = chain(3);
+    let file = file(&[record(root, 6)], &pool).unwrap();
+    canonical::check(&file).unwrap();
+    let light = file.lights().next().unwrap();
+    // The mask's one bit is lit; the nodes' other children are lit because their codes are 0.
+    assert!(light.is_lit([0, 0, 0]) && !light.is_lit([1, 0, 0]) && light.is_lit([1, 0, 1]) && light.is_lit([8, 0, 0]));
+}
+
+#[test]
+fn chains_of_the_wrong_length_are_refused() {
+    for links in [0, 1, 2, 4, 14, 252, 253, 254, 255, 256, 259, 273, 600] {
+        let (pool, root) = chain(links);
+        for log2 in [6, 20] {
+            let fits = links + 3 == log2 as usize;
+            assert_eq!(file(&[record(root, log2)], &pool).is_ok(), fits, "{links} links at 2^{log2}");
+        }
+    }
+}
+
+#[test]
+fn malformed_pools_are_refused() {
+    let wrong: [(&str, Vec<u32>, u32); 14] = [
+        ("a pool that is cut off", vec![0; 7], 0),
+        ("stray words in the header", vec![0, 0, 0, 1, 0, 0, 0, 0], 0),
+        ("parts that do not fill the pool", vec![2, 0, 0, 0, 0, 0, 0, 0], 0),
+        ("half a mask", vec![1, 0, 0, 0, 0, 0, 0, 0, 0], 0),
+        ("an odd reference to a mask", pool(&[0b10, 9], &[]), 0),
+        ("a reference before the masks", pool(&[0b10, 7], &[]), 0),
+        ("a slice node that refers to a slice node", pool(&[0b10, 10], &[]), 0),
+        ("a child code of 3", pool(&[0b11, 8], &[]), 0),
+        ("stray bits in a node's header", pool(&[1 << 16], &[]), 0),
+        ("a slice node that runs into the inner nodes", pool(&[0b10], &[0b10, 10]), 0),
+        ("a node that runs past the pool's end", pool(&[0b10, 8], &[0b1010, 10]), 0),
+        ("a node that refers to itself", pool(&[0b10, 8], &[0b10, 12]), 0),
+        ("a reference into the middle of a node", pool(&[0b10, 8], &[0b10, 11]), 0),
+        ("references of two levels", pool(&[0b10, 8], &[0b10, 10, 0b1010, 10, 12]), 0),
+    ];
+    for (what, pool, root) in wrong {
+        assert!(matches!(file(&[record(root, 6)], &pool), Err(FormatError::Malformed(_))), "{what} was accepted");
+    }
+    for (what, root) in [("a mask", 8), ("a slice node", 10), ("a reference", 13), ("nothing", 99)] {
+        let (pool, _) = chain(3);
+        assert!(file(&[record(root, 6)], &pool).is_err(), "{what} was accepted for a root");
+    }
+}
+
+#[test]
+fn malformed_records_are_refused() {
+    type Change = fn(&mut LightRecord);
+    let wrong: [(&str, Change); 16] = [
+        ("a name outside the names", |r| r.name_length = 1),
+        ("an endless name", |r| (r.name_offset, r.name_length) = (u32::MAX, u32::MAX)),
+        ("an unknown kind", |r| r.kind = 7),
+        ("a spot light", |r| r.kind = 1),
+        ("a resolution of 32", |r| r.log2_resolution = 5),
+        ("a resolution of 2^21", |r| r.log2_resolution = 21),
+        ("an unknown policy", |r| r.interior = 5),
+        ("an unknown encoding", |r| r.encoding = 1),
+        ("a second root", |r| r.roots[1] = 1),
+        ("no texel size", |r| r.texel_size_m = 0.0),
+        ("a negative slice size", |r| r.slice_size_m = -1.0),
+        ("an endless near distance", |r| r.near_m = f64::INFINITY),
+        ("an origin that is no number", |r| r.origin_world[1] = f64::NAN),
+        ("a map that is no number", |r| r.voxel_from_offset[2][0] = f64::NAN),
+        ("an endless offset", |r| r.voxel_of_origin[0] = f64::NEG_INFINITY),
+        ("stray bytes", |r| r.zero_end[1] = 1),
+    ];
+    for (what, change) in wrong {
+        let mut record = record(0, 6);
+        change(&mut record);
+        assert!(file(&[record], &[0; 8]).is_err(), "{what} was accepted");
+    }
+    assert!(file(&[], &[0; 8]).is_err(), "a file without lights was accepted");
+}
+
+#[test]
+fn many_homogeneous_lights_are_cheap_and_too_many_refused() {
+    let file_of = |lights: usize| file(&vec![record(1, 20); lights], &[0; 8]);
+    let most = file_of(MAX_LIGHTS).unwrap();
+    assert!(most.lights().all(|light| !light.is_lit([5, 6, 7])));
+    assert!(file_of(MAX_LIGHTS + 1).is_err());
+}
+
+#[test]
+fn doubled_and_homogeneous_nodes_are_not_canonical() {
+    let twice_a_mask = vec![4, 3, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0b1010, 8, 10];
+    let all_lit_mask = vec![2, 2, 0, 0, 0, 0, 0, 0, u32::MAX, u32::MAX, 0b10, 8];
+    for (what, mut pool) in [("a doubled mask", twice_a_mask), ("a homogeneous mask", all_lit_mask)] {
+        let mut last = if what.contains("doubled") { 12 } else { 10 };
+        for _ in 0..3 {
+            let at = pool.len() as u32;
+            pool.extend([0b10, last]);
+            pool[2] += 2;
+            last = at;
+        }
+        let file = file(&[record(last, 6)], &pool).unwrap();
+        assert!(canonical::check(&file).is_err(), "{what} was taken for canonical");
+    }
+    let (pool, _) = chain(3);
+    let unreachable = file(&[record(0, 6)], &pool).unwrap();
+    assert!(canonical::check(&unreachable).is_err());
+}
