@@ -178,9 +178,8 @@ impl Rays {
             // Only counts change, but where the last solid is left.
             let leaving = if entry.has(SOLID) { self.count(covered, triangle.winding()) } else { 0 };
             leaf.for_each_crossing(triangle, leaving, 0, |texel, crossing| {
-                self.exit[texel] = crossing.slice.max(self.enter[texel]);
+                self.leave(texel, crossing.slice);
             });
-            self.inside &= !leaving;
         } else {
             let outside = self.outside;
             leaf.for_each_crossing(triangle, covered, outside, |texel, crossing| self.meet_slice(texel, &[crossing]));
@@ -212,9 +211,15 @@ impl Rays {
             self.deepest[texel] = crossings.iter().map(|c| c.deepest).max().map_or(0, |d| d.saturating_add(1));
         }
         if *winding <= 0 {
-            self.inside &= !bit;
-            self.exit[texel] = slice.max(self.enter[texel]);
+            self.leave(texel, slice);
         }
+    }
+
+    /// Ends a ray's freedom at a slice: the ray is done. What lies between enter and exit is the interval of every policy.
+    #[inline(always)]
+    fn leave(&mut self, texel: usize, slice: u32) {
+        self.inside &= !(1 << texel);
+        self.exit[texel] = slice.max(self.enter[texel]);
     }
 
     /// Rays still inside a solid leave it no earlier than at the clamp; and where there is slack, the whole texel's lit
