@@ -5,11 +5,9 @@ mod common;
 
 use antumbra::Interior;
 use antumbra_scene::Scene;
-use common::{bake_for_check, check_all, cuboid, options, scene, sun, turned};
+use common::{TestMesh as Mesh, bake_for_check, check_all, cuboid, options, scene, sun, turned};
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
-
-type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
 /// Triangles anywhere, some thin, some with corners that coincide with others'.
 fn soup() -> impl Strategy<Value = Mesh> {

@@ -34,8 +34,11 @@ pub fn sun(direction: [f64; 3]) -> Light {
     }
 }
 
+/// Corners and triangles.
+pub type TestMesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
 /// A scene with one node per mesh.
-pub fn scene(meshes: Vec<(Vec<[f32; 3]>, Vec<[u32; 3]>)>, place: DAffine3) -> Scene {
+pub fn scene(meshes: Vec<TestMesh>, place: DAffine3) -> Scene {
     let mut scene = Scene { name: "test".into(), ..Scene::default() };
     for (index, (positions, triangles)) in meshes.into_iter().enumerate() {
         let primitive = Primitive { positions, triangles, ..Primitive::default() };
@@ -46,30 +49,20 @@ pub fn scene(meshes: Vec<(Vec<[f32; 3]>, Vec<[u32; 3]>)>, place: DAffine3) -> Sc
 }
 
 /// A box with outward triangles, turned about y.
-pub fn cuboid(center: [f64; 3], half: [f64; 3], turn: f64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+pub fn cuboid(center: [f64; 3], half: [f64; 3], turn: f64) -> TestMesh {
     let rotation = DMat3::from_quat(DQuat::from_rotation_y(turn));
     let corner = |i: usize| {
         let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
         let local = DVec3::new(sign(1) * half[0], sign(2) * half[1], sign(4) * half[2]);
-        (DVec3::from_array(center) + rotation * local).as_vec3_array()
+        (DVec3::from_array(center) + rotation * local).to_array().map(|c| c as f32)
     };
     let faces: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     ((0..8).map(corner).collect(), triangles)
 }
 
-trait AsVec3Array {
-    fn as_vec3_array(self) -> [f32; 3];
-}
-
-impl AsVec3Array for DVec3 {
-    fn as_vec3_array(self) -> [f32; 3] {
-        self.to_array().map(|c| c as f32)
-    }
-}
-
 /// The same mesh turned inside out.
-pub fn turned((positions, triangles): (Vec<[f32; 3]>, Vec<[u32; 3]>)) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+pub fn turned((positions, triangles): TestMesh) -> TestMesh {
     (positions, triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect())
 }
 
