@@ -1,10 +1,10 @@
 //! The columns builder: from caster triangles to a light's graph in proportion to silhouettes, not texels.
 //!
 //! A shadow-map tile's whole depth range is one run-length-encoded *column* of blocks as wide as the tile. The builder
-//! recurses over a quadtree of tiles, each with the triangles that touch it ([`tile`]). Where a plane of constant depth
-//! answers for a whole tile, the recursion ends ([`settle`]). At 8 x 8 texels it solves each ray exactly ([`leaf`]) and
+//! recurses over a quadtree of tiles, each with the triangles that touch it (`tile`). Where a plane of constant depth
+//! answers for a whole tile, the recursion ends (`settle`). At 8 x 8 texels it solves each ray exactly (`leaf`) and
 //! stabs the rays' intervals by the closest exit. Four columns merge into their parent's by walking run boundaries
-//! ([`column`]); a run of identical blocks of any length costs one look-up in a table, so identical nodes are never
+//! (`column`); a run of identical blocks of any length costs one look-up in a table, so identical nodes are never
 //! made twice.
 //!
 //! Sources: intervals and minimal masks, Kämpe, Sintorn, Assarsson 2015, sections 3.2 to 3.4. The columns, the tiles

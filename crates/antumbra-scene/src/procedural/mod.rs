@@ -3,7 +3,7 @@
 //! For that only integer arithmetic, `+ - * /` and square roots in a written order, and the `libm` crate for the rest
 //! are used; nothing depends on the order of a hash map.
 //!
-//! A new scene is a module with a `build(&Options) -> Scene` and a row in [`SCENES`].
+//! A new scene is a module with a `build(&Options) -> Scene` and a row in `SCENES`.
 
 mod city;
 mod foliage;
