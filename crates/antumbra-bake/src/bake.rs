@@ -151,8 +151,8 @@ pub enum BakeError {
         /// What would do.
         least_m: f64,
     },
-    /// More memory is needed than may be taken.
-    #[error("the bake needs more than its memory limit of {limit} bytes at {stage}; allow more or lower --resolution")]
+    /// More memory is needed than may be taken, by a careful estimate.
+    #[error("the bake needs more than the {} MiB that it may take, at {stage}; allow more or lower --resolution", .limit >> 20)]
     Memory {
         /// The limit.
         limit: u64,
