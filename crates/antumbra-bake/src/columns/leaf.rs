@@ -6,6 +6,7 @@
 //! met by whole masks of rays, and only larger ones are sorted ray by ray.
 
 use super::column::{ColumnWriter, Run, multiples, roundest};
+use super::plane::PlaneMemo;
 use super::tile::{COVERS, ENTERS, EXITS, Entry, SOLID, Tile};
 use super::triangle::BuildTriangle;
 use crate::dag::{Id, LIT, SHADOWED, Tables};
@@ -44,6 +45,7 @@ pub(super) struct LeafScratch {
     /// Crossings of one ray.
     along_ray: Vec<Crossing>,
     transitions: Vec<Transition>,
+    planes: PlaneMemo,
 }
 
 /// The rays of a leaf while clusters are met one after the other.
@@ -74,9 +76,19 @@ pub(super) struct Leaf<'a> {
 impl LeafScratch {
     /// Appends the leaf's column of 8 x 8 x 8 blocks. `entries` are sorted by their first slices.
     pub fn push_column(&mut self, leaf: Leaf<'_>, entries: &[Entry], runs: &mut Vec<Run>) {
+        let blocks = leaf.resolution.texels() >> LEAF_LOG2;
+        let Some(remembered) = PlaneMemo::recognise(&leaf, entries) else {
+            return self.make_column(leaf, entries, blocks, runs);
+        };
+        let mut planes = std::mem::take(&mut self.planes);
+        planes.push_column(remembered, blocks, runs, |runs| self.make_column(leaf, entries, blocks, runs));
+        self.planes = planes;
+    }
+
+    fn make_column(&mut self, leaf: Leaf<'_>, entries: &[Entry], blocks: u32, runs: &mut Vec<Run>) {
         let rays = self.solve(leaf, entries);
         self.stab(&rays, leaf.resolution.texels());
-        push_blocks(&self.transitions, leaf.resolution.texels() >> LEAF_LOG2, leaf.tables, runs);
+        push_blocks(&self.transitions, blocks, leaf.tables, runs);
     }
 
     fn solve(&mut self, leaf: Leaf<'_>, entries: &[Entry]) -> Rays {
@@ -246,7 +258,7 @@ fn for_each_bit(mut bits: u64, mut each: impl FnMut(usize)) {
 
 impl Leaf<'_> {
     #[inline(always)]
-    fn first_center(&self) -> [i64; 2] {
+    pub fn first_center(&self) -> [i64; 2] {
         [self.resolution.texel_center(self.tile.x), self.resolution.texel_center(self.tile.y)]
     }
 

@@ -14,6 +14,7 @@
 mod build;
 mod column;
 mod leaf;
+mod plane;
 mod settle;
 mod tile;
 mod triangle;
