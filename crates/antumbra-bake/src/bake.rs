@@ -346,7 +346,7 @@ fn finish(
         });
     }
     let stats = stats(scene, casters);
-    let bytes = write(&Contents { lights: &records, names: &names, pool: &encoded.pool, stats });
+    let bytes = write(&Contents::new(&records, &names, &encoded.pool, stats));
     Ok(Baked { bytes, lights: reports, stats, threads: rayon::current_num_threads(), warnings })
 }
 

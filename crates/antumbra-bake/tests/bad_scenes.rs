@@ -41,7 +41,7 @@ fn any_scale_gives_the_same_shadow() {
         let baked = bake_at_64(&placed(DAffine3::from_scale(DVec3::splat(scale))), DOWN).unwrap();
         let file = ShadowFile::from_bytes(&baked.bytes).unwrap();
         let light = file.lights().next().unwrap();
-        (0..64 * 64).filter(|i| !light.is_lit([i & 63, i >> 6, 63])).count()
+        (0..64 * 64).filter(|i| !light.is_lit(0, [i & 63, i >> 6, 63])).count()
     };
     let at_one = dark(1.0);
     assert!(at_one > 500);

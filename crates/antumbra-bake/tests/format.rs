@@ -5,7 +5,7 @@ mod common;
 
 use antumbra::format::write::{Contents, write};
 use antumbra::format::{canonical, dag8};
-use antumbra::{Filter, Interior, LightRecord, ShadowFile};
+use antumbra::{FacePoint, Filter, Interior, LightRecord, ShadowFile};
 use common::{bake_for_check, cuboid, options, scene, sun};
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
@@ -27,7 +27,7 @@ static SMALL: LazyLock<Vec<u8>> = LazyLock::new(small_bytes);
 /// Everything that a lookup can answer at the small resolution.
 fn answers(file: &ShadowFile) -> Vec<bool> {
     let all = |light: antumbra::LightShadow<'_>| {
-        (0..64 * 64 * 64).map(move |i| light.is_lit([i & 63, (i >> 6) & 63, i >> 12])).collect::<Vec<_>>()
+        (0..64 * 64 * 64).map(move |i| light.is_lit(0, [i & 63, (i >> 6) & 63, i >> 12])).collect::<Vec<_>>()
     };
     file.lights().flat_map(all).collect()
 }
@@ -73,8 +73,8 @@ fn errors_say_what_to_do() {
     assert!(error(b"glTF").contains("not an .antumbra file"));
     assert!(error(&SMALL[..SMALL.len() - 1]).contains("cut off"));
     let mut later = SMALL.clone();
-    later[8] = 2;
-    assert!(error(&later).contains("version 2.0"));
+    later[8] = 3;
+    assert!(error(&later).contains("version 3.0"));
     let mut damaged = SMALL.clone();
     *damaged.last_mut().unwrap() ^= 1;
     assert!(error(&damaged).contains("checksum"));
@@ -110,7 +110,7 @@ fn bakes_are_canonical_and_reordered_pools_are_not() {
 /// The same file with other words, its checksums right.
 fn with_pool(file: &ShadowFile, pool: &[u32]) -> Vec<u8> {
     let records: Vec<LightRecord> = file.lights().map(|l| *l.record()).collect();
-    write(&Contents { lights: &records, names: "sun", pool, stats: file.stats().unwrap() })
+    write(&Contents::new(&records, "sun", pool, file.stats().unwrap()))
 }
 
 proptest! {
@@ -138,8 +138,8 @@ proptest! {
             let filter = Filter::new_tent(17).unwrap();
             for i in 0..512 {
                 let voxel = [i & 7, (i >> 3) & 7, i >> 6].map(|c| c * 8 + 3);
-                let _ = light.is_lit(voxel);
-                let _ = light.voxel_filtered(DVec3::from_array(voxel.map(f64::from)), filter);
+                let _ = light.is_lit(0, voxel);
+                let _ = light.voxel_filtered(FacePoint { face: 0, voxel: DVec3::from_array(voxel.map(f64::from)) }, filter);
             }
         }
     }
@@ -149,7 +149,7 @@ proptest! {
         let file = ShadowFile::from_bytes(&SMALL).unwrap();
         let mut record = *file.lights().next().unwrap().record();
         bytemuck::bytes_of_mut(&mut record)[at] = value;
-        let bytes = write(&Contents { lights: &[record], names: "sun", pool: file.pool(), stats: file.stats().unwrap() });
+        let bytes = write(&Contents::new(&[record], "sun", file.pool(), file.stats().unwrap()));
         if let Ok(file) = ShadowFile::from_bytes(&bytes) {
             for light in file.lights() {
                 let _ = light.visibility(DVec3::from_array(point));

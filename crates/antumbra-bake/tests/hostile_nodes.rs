@@ -8,14 +8,14 @@ use antumbra::{FormatError, LightRecord, ShadowFile};
 
 fn record(root: u32, log2_resolution: u32) -> LightRecord {
     let mut record: LightRecord = bytemuck::Zeroable::zeroed();
-    (record.texel_size_m, record.slice_size_m) = (1.0, 1.0);
+    (record.texel_size_m, record.slice_size_m, record.faces) = (1.0, 1.0, 1);
     record.log2_resolution = log2_resolution;
     record.roots[0] = root;
     record
 }
 
 fn file(records: &[LightRecord], pool: &[u32]) -> Result<ShadowFile, FormatError> {
-    ShadowFile::from_bytes(&write(&Contents { lights: records, names: "", pool, stats: BakeStats::default() }))
+    ShadowFile::from_bytes(&write(&Contents::new(records, "", pool, BakeStats::default())))
 }
 
 /// A pool of one mask (word 8), the given slice nodes (from word 10) and inner nodes behind them.
@@ -43,7 +43,12 @@ fn a_sound_pool_is_accepted() {
     canonical::check(&file).unwrap();
     let light = file.lights().next().unwrap();
     // The mask's one bit is lit; the nodes' other children are lit because their codes are 0.
-    assert!(light.is_lit([0, 0, 0]) && !light.is_lit([1, 0, 0]) && light.is_lit([1, 0, 1]) && light.is_lit([8, 0, 0]));
+    assert!(
+        light.is_lit(0, [0, 0, 0])
+            && !light.is_lit(0, [1, 0, 0])
+            && light.is_lit(0, [1, 0, 1])
+            && light.is_lit(0, [8, 0, 0])
+    );
 }
 
 #[test]
@@ -91,7 +96,7 @@ fn malformed_records_are_refused() {
         ("a name outside the names", |r| r.name_length = 1),
         ("an endless name", |r| (r.name_offset, r.name_length) = (u32::MAX, u32::MAX)),
         ("an unknown kind", |r| r.kind = 7),
-        ("a spot light", |r| r.kind = 1),
+        ("a spot light without a range", |r| (r.kind, r.depth) = (1, 1)),
         ("a resolution of 32", |r| r.log2_resolution = 5),
         ("a resolution of 2^21", |r| r.log2_resolution = 21),
         ("an unknown policy", |r| r.interior = 5),
@@ -101,9 +106,9 @@ fn malformed_records_are_refused() {
         ("a negative slice size", |r| r.slice_size_m = -1.0),
         ("an endless near distance", |r| r.near_m = f64::INFINITY),
         ("an origin that is no number", |r| r.origin_world[1] = f64::NAN),
-        ("a map that is no number", |r| r.voxel_from_offset[2][0] = f64::NAN),
+        ("a map that is no number", |r| r.linear[2][0] = f64::NAN),
         ("an endless offset", |r| r.voxel_of_origin[0] = f64::NEG_INFINITY),
-        ("stray bytes", |r| r.zero_end[1] = 1),
+        ("a directional light with a tangent", |r| r.texels_per_tangent = 1.0),
     ];
     for (what, change) in wrong {
         let mut record = record(0, 6);
@@ -117,7 +122,7 @@ fn malformed_records_are_refused() {
 fn many_homogeneous_lights_are_cheap_and_too_many_refused() {
     let file_of = |lights: usize| file(&vec![record(1, 20); lights], &[0; 8]);
     let most = file_of(MAX_LIGHTS).unwrap();
-    assert!(most.lights().all(|light| !light.is_lit([5, 6, 7])));
+    assert!(most.lights().all(|light| !light.is_lit(0, [5, 6, 7])));
     assert!(file_of(MAX_LIGHTS + 1).is_err());
 }
 

@@ -21,10 +21,10 @@ fn bake_on_lattice(triangles: &[LatticeTriangle], resolution: Resolution) -> Sha
     let encoded = encode(tables, &[(root, resolution.log2())], u64::MAX).unwrap();
     let mut record: LightRecord = bytemuck::Zeroable::zeroed();
     record.log2_resolution = resolution.log2();
-    (record.texel_size_m, record.slice_size_m) = (1.0, 1.0);
+    (record.texel_size_m, record.slice_size_m, record.faces) = (1.0, 1.0, 1);
     record.roots[0] = encoded.roots[0];
-    let contents = Contents { lights: &[record], names: "", pool: &encoded.pool, stats: BakeStats::default() };
-    ShadowFile::from_bytes(&write(&contents)).unwrap()
+    let bytes = write(&Contents::new(&[record], "", &encoded.pool, BakeStats::default()));
+    ShadowFile::from_bytes(&bytes).unwrap()
 }
 
 fn check(triangles: &[LatticeTriangle]) -> Result<(), String> {
@@ -37,7 +37,7 @@ fn check(triangles: &[LatticeTriangle]) -> Result<(), String> {
         let (x, y) = (i % SIDE, i / SIDE);
         let interval = oracle.interval(x, y);
         let wrong = |z: &u32| {
-            if light.is_lit([x, y, *z]) { *z >= interval.exit } else { *z < interval.enter }
+            if light.is_lit(0, [x, y, *z]) { *z >= interval.exit } else { *z < interval.enter }
         };
         if let Some(z) = (0..SIDE).find(wrong) {
             return Err(format!("texel ({x}, {y}) is wrong at slice {z}: {interval:?}"));

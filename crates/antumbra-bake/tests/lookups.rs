@@ -3,7 +3,7 @@
 
 mod common;
 
-use antumbra::{Filter, Interior, Kernel, LightShadow};
+use antumbra::{FacePoint, Filter, Interior, Kernel, LightShadow};
 use antumbra_scene::{Scene, procedural};
 use common::{bake_for_check, cuboid, options, scene, sun};
 use glam::{DAffine3, DQuat, DVec3};
@@ -17,6 +17,11 @@ fn city() -> Scene {
 static BAKED: LazyLock<common::Checked> =
     LazyLock::new(|| bake_for_check(&city(), &sun([0.5, -0.6, 0.3]), &options(Interior::Auto, 1024, 0)));
 
+/// A point on a directional light's only face.
+fn at(voxel: DVec3) -> FacePoint {
+    FacePoint { face: 0, voxel }
+}
+
 /// Filtered visibility tap by tap.
 fn tap_by_tap(light: LightShadow<'_>, voxel: DVec3, taps: u32, kernel: Kernel) -> f32 {
     let radius = i64::from(taps / 2);
@@ -28,7 +33,7 @@ fn tap_by_tap(light: LightShadow<'_>, voxel: DVec3, taps: u32, kernel: Kernel) -
                 Kernel::Tent => (radius + 1 - dx.abs()) * (radius + 1 - dy.abs()),
             };
             let tap = DVec3::new(voxel.x.floor() + dx as f64 + 0.5, voxel.y.floor() + dy as f64 + 0.5, voxel.z);
-            lit += if light.voxel_visibility(tap) == 1.0 { weight } else { 0 };
+            lit += if light.voxel_visibility(at(tap)) == 1.0 { weight } else { 0 };
             all += weight;
         }
     }
@@ -46,7 +51,7 @@ proptest! {
         let (taps, kernel) = (2 * half + 1, if tent { Kernel::Tent } else { Kernel::Box });
         let voxel = DVec3::new(x, y, z);
         let filter = Filter::new(taps, kernel).unwrap();
-        prop_assert_eq!(light.voxel_filtered(voxel, filter), tap_by_tap(light, voxel, taps, kernel));
+        prop_assert_eq!(light.voxel_filtered(at(voxel), filter), tap_by_tap(light, voxel, taps, kernel));
     }
 }
 
@@ -82,7 +87,7 @@ fn points_that_are_no_numbers_or_far_away_are_lit_or_as_the_last_slice() {
         assert_eq!(light.filtered(DVec3::splat(strange), Some(DVec3::Y), filter), 1.0);
     }
     let deep = DVec3::new(500.5, 500.5, 1e30);
-    assert_eq!(light.voxel_visibility(deep), light.voxel_visibility(DVec3::new(500.5, 500.5, 1023.5)));
+    assert_eq!(light.voxel_visibility(at(deep)), light.voxel_visibility(at(DVec3::new(500.5, 500.5, 1023.5))));
 }
 
 /// A slab of four metres' side whose upper face slopes by so many degrees, and the face's normal and axes.

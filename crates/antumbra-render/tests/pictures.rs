@@ -181,16 +181,19 @@ fn uniform_file(name: &str, root: u32) -> ShadowFile {
         slice_size_m: 1.0,
         near_m: 0.0,
         far_m: 0.0,
-        zero: 0,
+        cone_cosine: 0.0,
         origin_world: [0.0; 3],
-        voxel_from_offset: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
+        linear: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
         voxel_of_origin: [32.0; 3],
         direction_world: [0.0, -1.0, 0.0],
-        zero_end: [0; 2],
+        faces: 1,
+        depth: 0,
+        texels_per_tangent: 0.0,
     };
     // No nodes: just the pool's header.
     let pool = [0; format::dag8::POOL_HEADER_WORDS];
-    let contents = format::write::Contents { lights: &[light], names: name, pool: &pool, stats: Default::default() };
+    let lights = [light];
+    let contents = format::write::Contents::new(&lights, name, &pool, Default::default());
     ShadowFile::from_bytes(&format::write::write(&contents)).expect("a valid file")
 }
 

@@ -1,5 +1,6 @@
 //! Scenes for Antumbra: the model, files in and out, and procedural scenes.
 
+mod alpha;
 pub mod clean;
 mod error;
 mod exclude;
@@ -11,6 +12,7 @@ pub mod model;
 mod obj;
 pub mod procedural;
 
+pub use alpha::AlphaTest;
 pub use error::SceneError;
 pub use exclude::glob_matches;
 pub use glb_writer::to_glb;

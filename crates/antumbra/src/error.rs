@@ -9,7 +9,7 @@ pub enum FormatError {
     NotAntumbra,
     /// A later format.
     #[error(
-        "the file has format version {major}.{minor}; this program reads version 1: update the program or bake again"
+        "the file has format version {major}.{minor}; this program reads version 2: update the program or bake again"
     )]
     Version {
         /// The file's major version.

@@ -34,6 +34,9 @@ pub mod lookup;
 
 pub use error::{FilterError, FormatError};
 pub use format::file::ShadowFile;
-pub use format::light::{Interior, LightKind, LightRecord};
+pub use format::light::{DepthDistribution, Interior, LightKind, LightRecord};
+pub use lookup::blocker::Blocker;
 pub use lookup::filter::{Filter, Kernel};
 pub use lookup::light::LightShadow;
+pub use lookup::prefilter::Prefilter;
+pub use lookup::project::{FACE_BORDER, FacePoint, VoxelFrame};

@@ -1,6 +1,6 @@
 //! Numbers the nodes in canonical order and writes them as `dag8` words: see [`antumbra::format::dag8`].
 
-use antumbra::format::dag8::{NodeCounts, POOL_HEADER_WORDS, SLICE_LEVEL};
+use antumbra::format::dag8::{NodeCounts, POOL_HEADER_WORDS, SLICE_LEVEL, WHOLE, mean_bits, slice_node_share};
 
 use super::table::{self, Id, LIT, SHADOWED, Tables};
 
@@ -32,8 +32,9 @@ pub enum EncodeError {
 pub fn encode(tables: Tables, roots: &[(Id, u32)], memory_limit: u64) -> Result<Encoded, EncodeError> {
     let tables_bytes = tables.bytes();
     let fits = |bytes: u64| if bytes <= memory_limit { Ok(()) } else { Err(EncodeError::MemoryLimit) };
-    // A place and an entry in the order for every key, which is at least 8 bytes long.
-    fits(tables_bytes + tables_bytes / 2)?;
+    // A rank, a word and an entry in the order for every key, and for nodes, which are longer, a share.
+    let order_bytes = tables_bytes / 3 * 2;
+    fits(tables_bytes + order_bytes)?;
     let mut order = Order::new(tables);
     let mut added = Vec::with_capacity(roots.len());
     for &(root, level) in roots {
@@ -49,7 +50,7 @@ pub fn encode(tables: Tables, roots: &[(Id, u32)], memory_limit: u64) -> Result<
     }
     let words = order.words() + POOL_HEADER_WORDS as u64;
     u32::try_from(words).map_err(|_| EncodeError::TooManyWords)?;
-    fits((tables_bytes + tables_bytes / 2 + 4 * words).max(8 * words))?;
+    fits((tables_bytes + order_bytes + 4 * words).max(8 * words))?;
     let (pool, roots) = order.write(roots);
     Ok(Encoded { pool, roots, added })
 }
@@ -63,12 +64,14 @@ struct Order {
     levels: Vec<u8>,
 }
 
-/// One kind of node.
+/// One kind of node, in the order of meeting.
 struct Part<K> {
     keys: Vec<Vec<K>>,
-    /// Word within the part at which each node stands, once met.
-    place: Vec<Vec<u32>>,
+    /// Place in the order of each key, once met.
+    rank: Vec<Vec<u32>>,
     order: Vec<Id>,
+    /// Word within the part, by rank.
+    words_at: Vec<u32>,
     words: u64,
 }
 
@@ -76,8 +79,8 @@ const UNMET: u32 = u32::MAX;
 
 impl<K: Copy> Part<K> {
     fn new(keys: Vec<Vec<K>>) -> Self {
-        let place = keys.iter().map(|shard| vec![UNMET; shard.len()]).collect();
-        Self { keys, place, order: Vec::new(), words: 0 }
+        let rank = keys.iter().map(|shard| vec![UNMET; shard.len()]).collect();
+        Self { keys, rank, order: Vec::new(), words_at: Vec::new(), words: 0 }
     }
 
     fn key(&self, id: Id) -> K {
@@ -85,19 +88,24 @@ impl<K: Copy> Part<K> {
         self.keys[shard][local]
     }
 
-    fn place(&self, id: Id) -> u32 {
+    fn rank(&self, id: Id) -> usize {
         let (shard, local) = table::place(id);
-        self.place[shard][local]
+        self.rank[shard][local] as usize
+    }
+
+    fn word(&self, id: Id) -> u32 {
+        self.words_at[self.rank(id)]
     }
 
     fn is_met(&self, id: Id) -> bool {
-        self.place(id) != UNMET
+        self.rank(id) != UNMET as usize
     }
 
     fn meet(&mut self, id: Id, words: usize) {
         let (shard, local) = table::place(id);
-        self.place[shard][local] = self.words as u32;
+        self.rank[shard][local] = self.order.len() as u32;
         self.order.push(id);
+        self.words_at.push(self.words as u32);
         self.words += words as u64;
     }
 }
@@ -160,16 +168,26 @@ impl Order {
         self.slices.meet(id, node_words(&children));
     }
 
+    /// The lit share of a slice node.
+    fn slice_share(&self, slices: &[Id; 8]) -> u64 {
+        let lit = |id: &Id| match *id {
+            LIT => 64,
+            SHADOWED => 0,
+            mask => self.masks.key(mask).count_ones(),
+        };
+        slice_node_share(slices.iter().map(lit).sum())
+    }
+
     /// The pool, and the roots' references.
     fn write(&self, roots: &[(Id, u32)]) -> (Vec<u32>, Vec<u32>) {
         let sizes = [self.masks.words, self.slices.words, self.inner.words].map(|w| w as u32);
         let masks_at = POOL_HEADER_WORDS as u32;
         let slices_at = masks_at + sizes[0];
         let inner_at = slices_at + sizes[1];
-        let mask = |id| masks_at + self.masks.place(id);
+        let mask = |id| masks_at + self.masks.word(id);
         let node = |id, level| match level {
-            SLICE_LEVEL => slices_at + self.slices.place(id),
-            _ => inner_at + self.inner.place(id),
+            SLICE_LEVEL => slices_at + self.slices.word(id),
+            _ => inner_at + self.inner.word(id),
         };
         let mut pool = Vec::with_capacity(POOL_HEADER_WORDS + self.words() as usize);
         pool.extend(sizes);
@@ -178,11 +196,23 @@ impl Order {
             let lit = self.masks.key(id);
             pool.extend([lit as u32, (lit >> 32) as u32]);
         }
-        for &id in &self.slices.order {
-            push_node(&mut pool, self.slices.key(id), mask);
+        let slice_shares: Vec<u64> =
+            self.slices.order.iter().map(|id| self.slice_share(&self.slices.key(*id))).collect();
+        for (&id, &share) in self.slices.order.iter().zip(&slice_shares) {
+            push_node(&mut pool, self.slices.key(id), share, mask);
         }
+        let mut shares: Vec<u64> = Vec::with_capacity(self.inner.order.len());
         for (&id, &level) in self.inner.order.iter().zip(&self.levels) {
-            push_node(&mut pool, self.inner.key(id), |child| node(child, u32::from(level) - 1));
+            let (children, below) = (self.inner.key(id), u32::from(level) - 1);
+            let share = |child: &Id| match *child {
+                LIT => WHOLE / 8,
+                SHADOWED => 0,
+                child if below == SLICE_LEVEL => slice_shares[self.slices.rank(child)] / 8,
+                child => shares[self.inner.rank(child)] / 8,
+            };
+            let share = children.iter().map(share).sum();
+            push_node(&mut pool, children, share, |child| node(child, below));
+            shares.push(share);
         }
         let root = |&(id, level): &(Id, u32)| if is_homogeneous(id) { id } else { node(id, level) };
         (pool, roots.iter().map(root).collect())
@@ -190,8 +220,9 @@ impl Order {
 }
 
 /// A header word, then a reference per mixed child.
-fn push_node(pool: &mut Vec<u32>, children: [Id; 8], reference: impl Fn(Id) -> u32) {
+fn push_node(pool: &mut Vec<u32>, children: [Id; 8], share: u64, reference: impl Fn(Id) -> u32) {
     let code = |child: Id| if is_homogeneous(child) { child } else { 2 };
-    pool.push(children.iter().enumerate().fold(0, |header, (i, child)| header | (code(*child) << (2 * i))));
+    let codes = children.iter().enumerate().fold(0, |header, (i, child)| header | (code(*child) << (2 * i)));
+    pool.push(codes | mean_bits(share));
     pool.extend(children.iter().filter(|c| !is_homogeneous(**c)).map(|c| reference(*c)));
 }

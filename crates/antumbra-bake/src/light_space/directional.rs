@@ -111,10 +111,11 @@ impl DirectionalSpace {
         LightRecord {
             kind: LightKind::Directional as u32,
             log2_resolution: self.resolution.log2(),
+            faces: 1,
             texel_size_m: self.texel_size_m,
             slice_size_m: self.slice_size_m,
             origin_world: origin.to_array(),
-            voxel_from_offset: rows.map(|r| r.to_array()),
+            linear: rows.map(|r| r.to_array()),
             voxel_of_origin: (offset * scale * -1.0).to_array(),
             direction_world: self.axes[2].to_array(),
             ..bytemuck::Zeroable::zeroed()

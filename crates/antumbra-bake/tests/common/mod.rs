@@ -98,7 +98,7 @@ pub fn bake_for_check(scene: &Scene, light: &Light, options: &BakeOptions) -> Ch
 pub fn check_texel(light: LightShadow<'_>, oracle: &Oracle<'_>, [x, y]: [u32; 2], slices: u32) -> Result<(), String> {
     let Interval { enter, exit } = oracle.interval(x, y);
     let check = |z: u32| {
-        let lit = light.is_lit([x, y, z]);
+        let lit = light.is_lit(0, [x, y, z]);
         let wrong = if lit { z >= exit } else { z < enter };
         if wrong { Err(format!("texel ({x}, {y}) slice {z}: lit {lit}, interval {enter}..={exit}")) } else { Ok(()) }
     };
@@ -112,7 +112,7 @@ pub fn check_texel(light: LightShadow<'_>, oracle: &Oracle<'_>, [x, y]: [u32; 2]
     // Between the ends any one transition will do, but there must be one only.
     let free = enter..exit.min(slices).min(enter.saturating_add(300));
     let turns_back =
-        free.clone().zip(free.skip(1)).find(|(a, b)| !light.is_lit([x, y, *a]) && light.is_lit([x, y, *b]));
+        free.clone().zip(free.skip(1)).find(|(a, b)| !light.is_lit(0, [x, y, *a]) && light.is_lit(0, [x, y, *b]));
     turns_back.map_or(Ok(()), |(a, _)| Err(format!("texel ({x}, {y}) is shadowed at slice {a} and lit behind it")))
 }
 

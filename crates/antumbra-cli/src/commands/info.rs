@@ -76,7 +76,7 @@ fn light_json((light, summary): &Described<'_>) -> Value {
     json["direction_world"] = json!(record.direction_world);
     json["voxel_from_world"] = json!({
         "origin": record.origin_world,
-        "linear": record.voxel_from_offset,
+        "linear": record.linear,
         "offset": record.voxel_of_origin,
     });
     json
@@ -108,7 +108,7 @@ fn light_text((light, summary): &Described<'_>) -> String {
     table.row("encoding", ENCODING);
     table.row("direction", format!("{dx:.6}, {dy:.6}, {dz:.6}"));
     table.row("voxel =", format!("linear * (world - origin) + offset, origin {ox:.3}, {oy:.3}, {oz:.3}"));
-    for (row, offset) in record.voxel_from_offset.iter().zip(record.voxel_of_origin) {
+    for (row, offset) in record.linear.iter().zip(record.voxel_of_origin) {
         // Adding zero turns -0 into 0.
         let [x, y, z] = row.map(|v| v + 0.0);
         table.row("", format!("[{x:14.6e} {y:14.6e} {z:14.6e}] + {offset:.3}"));

@@ -65,7 +65,7 @@ impl<'a> Edge<'a> {
     /// A point of a surface, moved off it as far as a lookup with a filter of three taps moves it, and two slices more:
     /// a plane then has no edge within a texel and a slice of it.
     pub fn lifted(&self, point_world: DVec3, outward: DVec3) -> DVec3 {
-        let bias_m = Filter::new_box(3).map_or(0.0, |filter| self.light.bias_m(outward, filter));
+        let bias_m = Filter::new_box(3).map_or(0.0, |filter| self.light.bias_m(point_world, outward, filter));
         point_world + outward * (bias_m + 2.0 * self.light.record().slice_size_m)
     }
 
@@ -108,10 +108,10 @@ impl<'a> Edge<'a> {
     /// within a texel of the point.
     fn about_texel_center(&self, point_world: DVec3) -> impl Iterator<Item = DVec3> {
         let record = self.light.record();
-        let voxel = self.light.voxel_from_world(point_world);
+        let voxel = self.light.project(point_world).voxel;
         let to_center = |v: f64| v.floor() + 0.5 - v;
         let [row_x, row_y] = [0, 1].map(|axis| {
-            let row = DVec3::from_array(record.voxel_from_offset[axis]);
+            let row = DVec3::from_array(record.linear[axis]);
             row / row.length_squared()
         });
         let center = point_world + row_x * to_center(voxel.x) + row_y * to_center(voxel.y);

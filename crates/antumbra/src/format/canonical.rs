@@ -1,12 +1,12 @@
 //! The canonical order: equal scenes give equal bytes, whatever threads built them.
 //!
-//! Walk each light's graph depth first from its root, lights in the file's order, children in theirs; a node met
-//! before is skipped. Masks and slice nodes are stored in the order of first meeting, inner nodes when all their
+//! Walk each light's graph depth first from its faces' roots, lights in the file's order, children in theirs, then the
+//! coarse levels of each light in turn; a node met before is skipped. Masks and slice nodes are stored in the order of first meeting, inner nodes when all their
 //! children are stored. Nothing is stored that no light reaches, and nothing twice.
 
 use alloc::collections::BTreeSet;
 
-use super::dag8::{self, LIT, SHADOWED, SLICE_LEVEL, child_code};
+use super::dag8::{self, LIT, SHADOWED, SLICE_LEVEL, WHOLE, child_code};
 use crate::{FormatError, ShadowFile};
 
 /// Checks that a file's pool is in canonical order, with nothing unreachable and nothing twice. Time n log n in the nodes;
@@ -18,12 +18,47 @@ pub fn check(file: &ShadowFile) -> Result<(), FormatError> {
     let layout = dag8::layout(&file.pool)?;
     let mut walk = Walk { pool: &file.pool, mask: dag8::POOL_HEADER_WORDS, slice: layout.slices, inner: layout.inner };
     for record in &file.records {
-        walk.visit(record.roots[0], record.log2_resolution)?;
+        for root in record.face_roots() {
+            walk.visit(*root, record.log2_resolution)?;
+        }
+    }
+    for (record, roots) in file.records.iter().zip(&file.level_roots) {
+        for (i, root) in roots.iter().flatten().enumerate() {
+            walk.visit(*root, record.log2_resolution - 1 - i as u32 / record.faces)?;
+        }
     }
     if (walk.mask, walk.slice, walk.inner) != (layout.slices, layout.inner, layout.end) {
         return Err(FormatError::Malformed("the node pool holds nodes that no light reaches"));
     }
+    check_means(&file.pool, layout)?;
     check_unique(&file.pool, layout)
+}
+
+/// Every node's header holds the mean of its voxels. Children stand before their parents.
+fn check_means(pool: &[u32], layout: dag8::Layout) -> Result<(), FormatError> {
+    let mut shares = alloc::vec![0u64; layout.end - layout.slices];
+    let mut at = layout.slices;
+    while at < layout.end {
+        let header = pool[at];
+        let mut share = 0;
+        for i in 0..8 {
+            share += match child_code(header, i) {
+                LIT => WHOLE / 8,
+                SHADOWED => 0,
+                _ if at < layout.inner => {
+                    let mask = pool[at + 1 + dag8::child_slot(header, i)] as usize;
+                    dag8::slice_node_share(pool[mask].count_ones() + pool[mask + 1].count_ones())
+                }
+                _ => shares[pool[at + 1 + dag8::child_slot(header, i)] as usize - layout.slices] / 8,
+            };
+        }
+        if header & 0xffff_0000 != dag8::mean_bits(share) {
+            return Err(FormatError::Malformed("a node's mean visibility is not that of its voxels"));
+        }
+        shares[at - layout.slices] = share;
+        at += 1 + dag8::reference_count(header);
+    }
+    Ok(())
 }
 
 /// The next unvisited word of each part.

@@ -17,7 +17,7 @@
 //!
 //! ```text
 //! header bits 2i+1..2i   child i: 0 lit, 1 shadowed, 2 mixed (3 does not occur)
-//!        bits 31..16     zero
+//!        bits 31..16     mean visibility of the node's voxels: 0 all shadowed, 65535 all lit, rounded to nearest
 //! ```
 //!
 //! The reference of a mixed child i is in word 1 + (mixed children before i). An inner node over 16 voxels per side
@@ -66,6 +66,28 @@ pub struct NodeCounts {
 #[must_use]
 pub fn child_code(header: u32, i: u32) -> u32 {
     (header >> (2 * i)) & 3
+}
+
+/// The mean visibility that a node's header holds, 0 to 1; within 1/131070 of the exact mean over its voxels.
+#[inline]
+#[must_use]
+pub fn mean(header: u32) -> f32 {
+    (header >> 16) as f32 * (1.0 / 65535.0)
+}
+
+/// A share of a volume that is exact for every node: 0 to this.
+pub const WHOLE: u64 = 1 << 60;
+
+/// The upper half of a header, for a node of whose volume a share (of [`WHOLE`]) is lit.
+#[must_use]
+pub fn mean_bits(lit: u64) -> u32 {
+    (((u128::from(lit) * 65535 + u128::from(WHOLE / 2)) / u128::from(WHOLE)) as u32) << 16
+}
+
+/// The lit share of a slice node (of [`WHOLE`]), given its lit voxels, at most 512.
+#[must_use]
+pub fn slice_node_share(lit_voxels: u32) -> u64 {
+    u64::from(lit_voxels) * (WHOLE / 512)
 }
 
 /// Which of a node's references belongs to mixed child `i`.
@@ -145,7 +167,7 @@ pub fn check(pool: &[u32]) -> Result<Checked, FormatError> {
 /// The references of the node at `at`, which must end before `region_end`.
 fn node_references(pool: &[u32], at: usize, region_end: usize) -> Result<&[u32], FormatError> {
     let header = pool[at];
-    if header >> 16 != 0 || header & (header >> 1) & 0x5555 != 0 {
+    if header & (header >> 1) & 0x5555 != 0 {
         return Err(FormatError::Malformed("a node has an impossible header"));
     }
     let end = at + 1 + reference_count(header);

@@ -2,24 +2,33 @@
 
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
+use alloc::vec;
 use alloc::vec::Vec;
 use core::str;
 
-use super::MAX_LIGHTS;
 use super::dag8::{self, NodeCounts};
-use super::light::LightRecord;
+use super::enter::{self, LightEnters};
+use super::light::{LightRecord, MIN_LOG2_RESOLUTION};
 use super::section::{Entry, REQUIRED, read_table};
 use super::stat::BakeStats;
+use super::{ENTERS, LEVELS, MAX_LIGHTS};
 use crate::FormatError;
 use crate::lookup::light::LightShadow;
-use crate::lookup::top_grid::TopGrid;
+use crate::lookup::project::Projection;
+use crate::lookup::top_grid::{self, TopGrid};
 
 /// A validated `.antumbra` file: after [`ShadowFile::from_bytes`] no lookup can fail or read outside.
 #[derive(Clone, Debug)]
 pub struct ShadowFile {
     pub(crate) pool: Vec<u32>,
     pub(crate) records: Vec<LightRecord>,
-    pub(crate) top_grids: Vec<Arc<TopGrid>>,
+    /// By light, then by face.
+    pub(crate) top_grids: Vec<Vec<Arc<TopGrid>>>,
+    pub(crate) projections: Vec<Projection>,
+    /// By light, level (1 first) and face: roots of the coarse levels; no levels where the file has none.
+    pub(crate) level_roots: Vec<Vec<Vec<u32>>>,
+    pub(crate) level_grids: Vec<Vec<Vec<Arc<TopGrid>>>>,
+    pub(crate) enters: Option<Vec<LightEnters>>,
     names: Vec<u8>,
     stats: Option<BakeStats>,
     sections: Vec<([u8; 4], u64)>,
@@ -47,13 +56,29 @@ impl ShadowFile {
         for (index, record) in records.iter().enumerate() {
             record.check(index)?;
             name_of(&names, record).ok_or(FormatError::Malformed("a light's name lies outside the names"))?;
-            if !checked.fits(record.roots[0], record.log2_resolution) {
+            if !record.face_roots().iter().all(|root| checked.fits(*root, record.log2_resolution)) {
                 return Err(FormatError::Malformed("a light's root is no node of the light's size"));
             }
         }
-        let top_grids = make_top_grids(&pool, &records);
-        let sections = entries.iter().map(|e| (e.kind, e.size)).collect();
-        Ok(Self { counts: checked.counts(), stats: stats.transpose()?, pool, records, top_grids, names, sections })
+        let level_roots = match section(&LEVELS)? {
+            Some(bytes) => read_levels(bytes, &records, &checked)?,
+            None => vec![Vec::new(); records.len()],
+        };
+        let enters = section(&ENTERS)?.map(|bytes| enter::read(bytes, &records)).transpose()?;
+        let mut grids = Grids { pool: &pool, made: BTreeMap::new() };
+        Ok(Self {
+            counts: checked.counts(),
+            stats: stats.transpose()?,
+            top_grids: records.iter().map(|record| grids.of_light(record)).collect(),
+            projections: records.iter().map(Projection::new).collect(),
+            level_grids: records.iter().zip(&level_roots).map(|(r, levels)| grids.of_levels(r, levels)).collect(),
+            level_roots,
+            enters,
+            sections: entries.iter().map(|e| (e.kind, e.size)).collect(),
+            pool,
+            records,
+            names,
+        })
     }
 
     /// The file's lights, in its order.
@@ -98,14 +123,64 @@ impl ShadowFile {
 
 const KNOWN: [&[u8; 4]; 4] = [b"LGTS", b"NAME", b"DAG8", b"STAT"];
 
-/// One grid for all lights with the same root; small ones where a light is homogeneous.
-fn make_top_grids(pool: &[u32], records: &[LightRecord]) -> Vec<Arc<TopGrid>> {
-    let mut made = BTreeMap::new();
-    let mut grid = |r: &LightRecord| {
-        let new = || Arc::new(TopGrid::new(pool, r.roots[0], r.log2_resolution));
-        Arc::clone(made.entry((r.roots[0], r.log2_resolution)).or_insert_with(new))
-    };
-    records.iter().map(&mut grid).collect()
+/// log2 of the most cells per side of a coarse level's grids: a local light has many.
+const LOCAL_LEVEL_CELLS: u32 = 3;
+
+/// Makes top grids: one for all faces and levels with the same root, small ones where a face is homogeneous.
+struct Grids<'a> {
+    pool: &'a [u32],
+    made: BTreeMap<(u32, u32, u32), Arc<TopGrid>>,
+}
+
+impl Grids<'_> {
+    fn grid(&mut self, root: u32, log2: u32, most_log2: u32) -> Arc<TopGrid> {
+        let new = || Arc::new(TopGrid::new(self.pool, root, log2, most_log2));
+        Arc::clone(self.made.entry((root, log2, most_log2)).or_insert_with(new))
+    }
+
+    fn of_light(&mut self, record: &LightRecord) -> Vec<Arc<TopGrid>> {
+        let log2 = record.log2_resolution;
+        record.face_roots().iter().map(|root| self.grid(*root, log2, top_grid::MAX_LOG2_CELLS)).collect()
+    }
+
+    fn of_levels(&mut self, record: &LightRecord, levels: &[Vec<u32>]) -> Vec<Vec<Arc<TopGrid>>> {
+        let most = if record.faces == 1 { top_grid::MAX_LOG2_CELLS } else { LOCAL_LEVEL_CELLS };
+        let of_level = |(i, roots): (usize, &Vec<u32>)| {
+            let log2 = record.log2_resolution - 1 - i as u32;
+            roots.iter().map(|root| self.grid(*root, log2, most)).collect()
+        };
+        levels.iter().enumerate().map(of_level).collect()
+    }
+}
+
+/// Coarse levels of a light.
+fn level_count(record: &LightRecord) -> usize {
+    (record.log2_resolution - MIN_LOG2_RESOLUTION) as usize
+}
+
+fn read_levels(
+    section: &[u8],
+    records: &[LightRecord],
+    checked: &dag8::Checked,
+) -> Result<Vec<Vec<Vec<u32>>>, FormatError> {
+    let mut roots = read_pool(section)?.into_iter();
+    let mut lights = Vec::with_capacity(records.len());
+    for record in records {
+        let mut levels = Vec::with_capacity(level_count(record));
+        for level in 1..=level_count(record) as u32 {
+            let faces: Vec<u32> = roots.by_ref().take(record.faces as usize).collect();
+            let fits = |root: &u32| checked.fits(*root, record.log2_resolution - level);
+            if faces.len() != record.faces as usize || !faces.iter().all(fits) {
+                return Err(FormatError::Malformed("the coarse levels are cut off or refer to no nodes of their size"));
+            }
+            levels.push(faces);
+        }
+        lights.push(levels);
+    }
+    match roots.next() {
+        None => Ok(lights),
+        Some(_) => Err(FormatError::Malformed("the coarse levels are too many")),
+    }
 }
 
 /// The one section of that kind, if there is one.
@@ -153,7 +228,7 @@ mod tests {
 
     fn record() -> Vec<u8> {
         let mut record: LightRecord = bytemuck::Zeroable::zeroed();
-        (record.log2_resolution, record.texel_size_m, record.slice_size_m) = (6, 1.0, 1.0);
+        (record.log2_resolution, record.texel_size_m, record.slice_size_m, record.faces) = (6, 1.0, 1.0, 1);
         bytemuck::bytes_of(&record).to_vec()
     }
 

@@ -1,9 +1,7 @@
 //! Light records: where a light's grid lies in the world, and where its nodes begin.
 
-use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
-
 use crate::FormatError;
+use bytemuck::{Pod, Zeroable};
 
 /// Least log2 of a light's resolution (64).
 pub const MIN_LOG2_RESOLUTION: u32 = 6;
@@ -22,18 +20,20 @@ pub const ENCODING_DAG8: u32 = 0;
 ///     12     4  log2 of the resolution N, 6 to 20
 ///     16     4  interior policy: 0 open, 1 closed, 2 auto, 3 thickness, 4 static
 ///     20     4  node encoding: 0 dag8
-///     24  4*6   root references, one per face (a directional or spot light uses the first; the others are 0)
+///     24   4*6  root references, one per face; unused ones are 0
 ///     48     8  policy parameter, metres (thickness or margin; else 0)
 ///     56     8  texel size, metres (local lights: at their range)
 ///     64     8  slice size, metres (local lights: 0, it grows with distance)
-///     72     8  near distance, metres (local lights)
-///     80     8  far distance, metres (local lights)
-///     88     8  zero
-///     96  8*3   origin, world metres: the volume's centre; subtract it first, so that f32 suffices after
-///    120  8*9   linear part, voxels per metre, row by row (x, y, z of the voxel)
-///    192  8*3   offset, voxels:  voxel = linear * (world - origin) + offset
-///    216  8*3   unit direction along which the light travels (directional, spot), world
-///    240    16  zero
+///     72     8  near distance, metres (local lights; else 0)
+///     80     8  far distance, metres (local lights: their range; else 0)
+///     88     8  cosine of the cone's half angle (spot lights; else 0)
+///     96   8*3  origin, world metres: the volume's centre, or the local light's position; subtract it first
+///    120   8*9  linear part, row by row: directional: voxels per metre; local: the light's unit axes
+///    192   8*3  voxel coordinates of the origin (directional; else 0)
+///    216   8*3  unit direction along which the light travels, world (point lights: 0)
+///    240     4  faces: 1, or 6 for point lights and wide spot lights
+///    244     4  distribution of the slices: 0 linear, 1 logarithmic, 2 linear in normalized device coordinates
+///    248     8  texels per unit of tangent (local lights; else 0)
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -62,18 +62,35 @@ pub struct LightRecord {
     pub near_m: f64,
     /// Far distance, metres.
     pub far_m: f64,
-    /// Zero.
-    pub zero: u64,
-    /// The volume's centre, world metres.
+    /// Cosine of a spot light's half angle.
+    pub cone_cosine: f64,
+    /// The volume's centre or the light's position, world metres.
     pub origin_world: [f64; 3],
-    /// Rows of the linear map from metres about the origin to voxels.
-    pub voxel_from_offset: [[f64; 3]; 3],
+    /// Rows of the linear map from metres about the origin to voxels (directional) or to the light's axes (local).
+    pub linear: [[f64; 3]; 3],
     /// Voxel coordinates of the origin.
     pub voxel_of_origin: [f64; 3],
     /// Unit direction along which the light travels, world.
     pub direction_world: [f64; 3],
-    /// Zero.
-    pub zero_end: [u64; 2],
+    /// Faces: 1 or 6.
+    pub faces: u32,
+    /// See [`DepthDistribution`].
+    pub depth: u32,
+    /// Texels that a unit of tangent spans.
+    pub texels_per_tangent: f64,
+}
+
+/// How the slices are spread between a light's near and far distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum DepthDistribution {
+    /// Evenly, as directional lights have them.
+    #[default]
+    Linear = 0,
+    /// By the logarithm of the distance, so that a voxel keeps its proportions (Kämpe et al. 2015, equation 1).
+    Logarithmic = 1,
+    /// Evenly in normalized device coordinates, as a plain shadow map has them: for comparison.
+    Ndc = 2,
 }
 
 /// What a light is.
@@ -173,12 +190,21 @@ impl LightRecord {
         1 << self.log2_resolution
     }
 
-    /// Voxel coordinates of a world point (real-valued: floor them for the voxel's indices).
+    /// How the slices are spread; `None` for a number that this version does not know.
     #[must_use]
-    pub fn voxel_from_world(&self, world: DVec3) -> DVec3 {
-        let offset = world - DVec3::from_array(self.origin_world);
-        let row = |i: usize| DVec3::from_array(self.voxel_from_offset[i]).dot(offset) + self.voxel_of_origin[i];
-        DVec3::new(row(0), row(1), row(2))
+    pub fn depth_distribution(&self) -> Option<DepthDistribution> {
+        Some(match self.depth {
+            0 => DepthDistribution::Linear,
+            1 => DepthDistribution::Logarithmic,
+            2 => DepthDistribution::Ndc,
+            _ => return None,
+        })
+    }
+
+    /// References to the faces' roots.
+    #[must_use]
+    pub fn face_roots(&self) -> &[u32] {
+        &self.roots[..(self.faces as usize).min(6)]
     }
 
     /// The same with every field in little-endian order.
@@ -200,41 +226,60 @@ impl LightRecord {
         if self.encoding != ENCODING_DAG8 {
             return Err(FormatError::UnknownEncoding { light: index, encoding: self.encoding });
         }
-        if self.light_kind() != Some(LightKind::Directional) {
-            return Err(FormatError::Malformed("version 1.0 holds directional lights only"));
-        }
+        let (Some(kind), Some(depth)) = (self.light_kind(), self.depth_distribution()) else {
+            return Err(FormatError::Malformed("a light's kind or its distribution of slices is unknown"));
+        };
         if !(MIN_LOG2_RESOLUTION..=MAX_LOG2_RESOLUTION).contains(&self.log2_resolution) {
             return Err(FormatError::Malformed("a light's resolution is not a power of two from 64 to 1048576"));
         }
-        if self.interior_policy().is_none() || self.roots[1..] != [0; 5] {
-            return Err(FormatError::Malformed("a light's policy or root references are unknown"));
+        let faces_fit = match kind {
+            LightKind::Directional => self.faces == 1,
+            LightKind::Spot => self.faces == 1 || self.faces == 6,
+            LightKind::Point => self.faces == 6,
+        };
+        if !faces_fit || self.interior_policy().is_none() {
+            return Err(FormatError::Malformed("a light's policy or number of faces is unknown"));
         }
-        if self.zero != 0 || self.zero_end != [0; 2] || !self.numbers_are_finite() {
-            return Err(FormatError::Malformed("a light's placement is not finite or has stray bytes"));
+        if self.roots[self.faces as usize..].iter().any(|r| *r != 0) {
+            return Err(FormatError::Malformed("a light has more root references than faces"));
+        }
+        if (kind == LightKind::Directional) != (depth == DepthDistribution::Linear) || !self.numbers_make_sense(kind) {
+            return Err(FormatError::Malformed("a light's placement makes no sense"));
         }
         Ok(())
     }
 
-    fn numbers_are_finite(&self) -> bool {
+    fn numbers_make_sense(&self, kind: LightKind) -> bool {
         let lengths = [self.interior_parameter_m, self.texel_size_m, self.slice_size_m, self.near_m, self.far_m];
-        lengths.iter().all(|m| m.is_finite() && *m >= 0.0)
+        let finite = lengths.iter().all(|m| m.is_finite() && *m >= 0.0)
             && self.texel_size_m > 0.0
-            && self.slice_size_m > 0.0
             && self.origin_world.iter().chain(&self.voxel_of_origin).all(|v| v.is_finite())
-            && self.voxel_from_offset.as_flattened().iter().chain(&self.direction_world).all(|v| v.is_finite())
+            && self.linear.as_flattened().iter().chain(&self.direction_world).all(|v| v.is_finite());
+        let fits = if kind == LightKind::Directional {
+            self.slice_size_m > 0.0 && self.texels_per_tangent == 0.0
+        } else {
+            let ratio = self.far_m / self.near_m;
+            ratio > 1.0 && ratio.is_finite() && self.texels_per_tangent > 0.0 && self.texels_per_tangent.is_finite()
+        };
+        finite && fits && (-1.0..=1.0).contains(&self.cone_cosine)
     }
 }
 
 /// Words of the record before its first `f64`.
 const U32_WORDS: usize = 12;
+/// The record's two words between its `f64`s.
+const INNER_WORDS: core::ops::Range<usize> = 240..248;
 
 /// Applies a byte-order conversion to each field.
 fn swap_words(record: &mut LightRecord, word: fn(u32) -> u32, long: fn(u64) -> u64) {
-    let (words, longs) = bytemuck::bytes_of_mut(record).split_at_mut(4 * U32_WORDS);
-    for w in bytemuck::cast_slice_mut::<u8, u32>(words) {
-        *w = word(*w);
+    let bytes = bytemuck::bytes_of_mut(record);
+    let (before, rest) = bytes.split_at_mut(INNER_WORDS.start);
+    let (inner, last) = rest.split_at_mut(INNER_WORDS.len());
+    let (words, longs) = before.split_at_mut(4 * U32_WORDS);
+    for part in [words, inner] {
+        bytemuck::cast_slice_mut::<u8, u32>(part).iter_mut().for_each(|w| *w = word(*w));
     }
-    for l in bytemuck::cast_slice_mut::<u8, u64>(longs) {
-        *l = long(*l);
+    for part in [longs, last] {
+        bytemuck::cast_slice_mut::<u8, u64>(part).iter_mut().for_each(|l| *l = long(*l));
     }
 }

@@ -20,7 +20,7 @@
 //!                24  8  XXH3-64 (seed 0) of the section's bytes
 //! ```
 //!
-//! Version 1.0 has these sections, in this order, each at most once. A reader skips kinds it does not know unless
+//! Version 2.0 has these sections, in this order, each at most once. A reader skips kinds it does not know unless
 //! bit 0 of their flags is set.
 //!
 //! | kind | required | contents |
@@ -29,9 +29,12 @@
 //! | `NAME` | yes | UTF-8 text that light records point into |
 //! | `DAG8` | yes | the node pool that all lights share: [`dag8`] |
 //! | `STAT` | no  | what was baked: [`stat::BakeStats`] |
+//! | `LODS` | no  | roots of coarse levels, for prefiltering: [`LEVELS`] |
+//! | `ENTR` | no  | coarse enter depths, for blockers: [`enter`] |
 
 pub mod canonical;
 pub mod dag8;
+pub mod enter;
 pub mod file;
 pub mod light;
 pub mod reach;
@@ -42,7 +45,7 @@ pub mod write;
 /// Magic number at the start of every file.
 pub const MAGIC: [u8; 8] = *b"ANTUMBRA";
 /// Major version that this crate reads and writes.
-pub const VERSION_MAJOR: u16 = 1;
+pub const VERSION_MAJOR: u16 = 2;
 /// Minor version that this crate writes.
 pub const VERSION_MINOR: u16 = 0;
 /// Sections start at multiples of this many bytes.
@@ -51,3 +54,9 @@ pub const SECTION_ALIGNMENT: usize = 256;
 pub const MAX_SECTIONS: usize = 64;
 /// Most lights in a file: a reader makes up to 128 KiB for each.
 pub const MAX_LIGHTS: usize = 4096;
+/// Kind of the optional section of coarse levels: for each light, for each level from 1 to log2(N) - 6, a root reference
+/// per face (`u32`). Level L is a volume of N / 2^L voxels per side whose voxel is lit iff at least half of the 8^L voxels
+/// that it stands for are.
+pub const LEVELS: [u8; 4] = *b"LODS";
+/// Kind of the optional section of enter depths: see [`enter`].
+pub const ENTERS: [u8; 4] = *b"ENTR";

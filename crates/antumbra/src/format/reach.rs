@@ -1,7 +1,7 @@
 //! What each light of a file adds to the shared node pool.
 //!
-//! Lights share nodes. A node belongs to the first light, in the file's order, from whose root it is reached: so the
-//! lights' shares add up to the whole pool.
+//! Lights share nodes. A node belongs to the first light, in the file's order, from whose roots it is reached; nodes that
+//! only coarse levels reach are counted by themselves. So the shares add up to the whole pool.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,13 +13,26 @@ use crate::ShadowFile;
 /// Linear in the pool's size.
 #[must_use]
 pub fn by_light(file: &ShadowFile) -> Vec<(NodeCounts, u64)> {
+    shares(file).0
+}
+
+/// [`by_light`], and what the coarse levels of all lights add to it.
+#[must_use]
+pub fn shares(file: &ShadowFile) -> (Vec<(NodeCounts, u64)>, (NodeCounts, u64)) {
     let mut walk = Walk { pool: &file.pool, met: vec![0; file.pool.len().div_ceil(64)], added: Default::default() };
-    let share = |record: &crate::LightRecord| {
+    let mut share = |record: &crate::LightRecord| {
         walk.added = Default::default();
-        walk.visit(record.roots[0], record.log2_resolution);
+        record.face_roots().iter().for_each(|root| walk.visit(*root, record.log2_resolution));
         walk.added
     };
-    file.records.iter().map(share).collect()
+    let lights = file.records.iter().map(&mut share).collect();
+    walk.added = Default::default();
+    for (record, roots) in file.records.iter().zip(&file.level_roots) {
+        for (i, root) in roots.iter().flatten().enumerate() {
+            walk.visit(*root, record.log2_resolution - 1 - i as u32 / record.faces);
+        }
+    }
+    (lights, walk.added)
 }
 
 struct Walk<'a> {
@@ -75,7 +88,7 @@ mod tests {
         let mut record: LightRecord = bytemuck::Zeroable::zeroed();
         record.kind = LightKind::Directional as u32;
         record.log2_resolution = 6;
-        (record.texel_size_m, record.slice_size_m) = (1.0, 1.0);
+        (record.texel_size_m, record.slice_size_m, record.faces) = (1.0, 1.0, 1);
         record.roots[0] = root;
         record
     }
@@ -93,7 +106,7 @@ mod tests {
         ];
         let pool = words.concat();
         let records = [21, 29, 21, SHADOWED].map(light);
-        let bytes = write(&Contents { lights: &records, names: "", pool: &pool, stats: BakeStats::default() });
+        let bytes = write(&Contents::new(&records, "", &pool, BakeStats::default()));
         let shares = by_light(&ShadowFile::from_bytes(&bytes).expect("a sound file"));
         let counts = |inner, slices, masks| NodeCounts { inner, slices, masks };
         assert_eq!(shares[0], (counts(3, 1, 1), 2 + 2 + 6));

@@ -122,6 +122,8 @@ fn part_name(kind: [u8; 4]) -> &'static str {
         b"NAME" => "names",
         b"DAG8" => "node pool",
         b"STAT" => "statistics",
+        b"LODS" => "coarse levels",
+        b"ENTR" => "enter depths",
         _ => "optional data",
     }
 }

@@ -8,10 +8,11 @@ use xxhash_rust::xxh3::xxh3_64;
 use super::light::LightRecord;
 use super::section::{ENTRY_BYTES, Entry, HEADER_BYTES, Header, REQUIRED, table_checksum};
 use super::stat::BakeStats;
-use super::{MAGIC, SECTION_ALIGNMENT, VERSION_MAJOR, VERSION_MINOR};
+use super::{ENTERS, LEVELS, MAGIC, SECTION_ALIGNMENT, VERSION_MAJOR, VERSION_MINOR};
 
-/// Everything that a version 1.0 file holds.
+/// Everything that a file holds.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Contents<'a> {
     /// One record per light.
     pub lights: &'a [LightRecord],
@@ -21,24 +22,40 @@ pub struct Contents<'a> {
     pub pool: &'a [u32],
     /// What was baked.
     pub stats: BakeStats,
+    /// Roots of coarse levels, if there are any: the contents of [`super::LEVELS`].
+    pub levels: Option<&'a [u32]>,
+    /// Enter depths, if there are any: the contents of [`super::enter`].
+    pub enters: Option<&'a [u8]>,
+}
+
+impl<'a> Contents<'a> {
+    /// A file without optional lookups.
+    #[must_use]
+    pub fn new(lights: &'a [LightRecord], names: &'a str, pool: &'a [u32], stats: BakeStats) -> Self {
+        Self { lights, names, pool, stats, levels: None, enters: None }
+    }
 }
 
 /// The file's bytes. The same contents give the same bytes on every machine.
 #[must_use]
 pub fn write(contents: &Contents<'_>) -> Vec<u8> {
     let lights: Vec<LightRecord> = contents.lights.iter().map(|r| r.to_le()).collect();
-    let pool = pool_to_le(contents.pool);
+    let pool = words_to_le(contents.pool);
+    let levels = contents.levels.map(words_to_le);
     let stats = contents.stats.to_le();
-    assemble(&[
+    let mut sections: Vec<([u8; 4], u32, &[u8])> = alloc::vec![
         (*b"LGTS", REQUIRED, bytemuck::cast_slice(&lights)),
         (*b"NAME", REQUIRED, contents.names.as_bytes()),
         (*b"DAG8", REQUIRED, bytemuck::cast_slice(&pool)),
         (*b"STAT", 0, bytemuck::bytes_of(&stats)),
-    ])
+    ];
+    sections.extend(levels.as_ref().map(|roots| (LEVELS, 0, bytemuck::cast_slice(roots))));
+    sections.extend(contents.enters.map(|bytes| (ENTERS, 0, bytes)));
+    assemble(&sections)
 }
 
 /// The words in little-endian order: as they are on nearly every machine.
-fn pool_to_le(pool: &[u32]) -> Cow<'_, [u32]> {
+fn words_to_le(pool: &[u32]) -> Cow<'_, [u32]> {
     if cfg!(target_endian = "little") { Cow::Borrowed(pool) } else { pool.iter().map(|w| w.to_le()).collect() }
 }
 

@@ -76,6 +76,12 @@ impl Filter {
         }
     }
 
+    /// The middle tap's weight along one axis: the sum of the weights over it is the filter's effective width in texels.
+    #[must_use]
+    pub fn peak(self) -> u32 {
+        self.weight(0)
+    }
+
     /// Sum of the weights along one axis.
     #[must_use]
     pub fn axis_weight(self) -> u32 {

@@ -6,6 +6,7 @@ use super::filter::Filter;
 use super::many;
 use super::pcf;
 use super::point::is_lit;
+use super::project::{FacePoint, Place, Projection, VoxelFrame, clamp_to_volume};
 use super::top_grid::TopGrid;
 use crate::{Interior, LightKind, LightRecord, ShadowFile};
 
@@ -44,54 +45,83 @@ impl<'a> LightShadow<'a> {
         self.record().interior_policy().unwrap_or(Interior::Open)
     }
 
-    /// Unit direction along which the light travels, world space.
+    /// Unit direction along which the light travels, world space; zero for a point light.
     #[must_use]
     pub fn direction_world(self) -> DVec3 {
         DVec3::from_array(self.record().direction_world)
     }
 
-    /// Real-valued voxel coordinates of a world point.
-    #[inline]
+    /// Where a local light stands, or the middle of a directional light's volume: world, metres.
     #[must_use]
-    pub fn voxel_from_world(self, point_world: DVec3) -> DVec3 {
-        self.record().voxel_from_world(point_world)
+    pub fn origin_world(self) -> DVec3 {
+        DVec3::from_array(self.record().origin_world)
     }
 
-    /// Visibility at a world point, metres: 0 shadowed, 1 lit. A point that is not finite is lit.
+    /// Faces of the light's volume: 1, or 6 for point lights and wide spot lights.
+    #[must_use]
+    pub fn faces(self) -> usize {
+        self.record().faces as usize
+    }
+
+    /// The face that sees a world point, and real-valued voxel coordinates on it.
+    #[inline]
+    #[must_use]
+    pub fn project(self, point_world: DVec3) -> FacePoint {
+        self.projection().project(point_world)
+    }
+
+    /// Whether a world point lies outside a spot light's cone: lookups there give 0.
+    #[inline]
+    #[must_use]
+    pub fn is_outside_cone(self, point_world: DVec3) -> bool {
+        self.projection().is_outside_cone(point_world)
+    }
+
+    /// Axes and size of the light's voxels about a world point.
+    #[must_use]
+    pub fn frame(self, point_world: DVec3) -> VoxelFrame {
+        self.projection().frame(point_world)
+    }
+
+    /// Visibility at a world point, metres: 0 shadowed, 1 lit. A point that is not finite is lit; one outside a spot
+    /// light's cone is not.
     ///
     /// Cost: a projection, one read of the top grid and at most log2(N) - 5 dependent reads of two words each.
     #[inline]
     #[must_use]
     pub fn visibility(self, point_world: DVec3) -> f32 {
-        self.voxel_visibility(self.voxel_from_world(point_world))
+        match self.projection().place(point_world) {
+            Place::Lit => 1.0,
+            Place::Unlit => 0.0,
+            Place::At { face, voxel } => f32::from(self.is_lit(face, voxel)),
+        }
     }
 
     /// [`LightShadow::visibility`] of many points: the same answers, two to three times as many per second, because
     /// several descents run side by side. Writes as many answers as both slices have room for.
     pub fn visibility_many(self, points_world: &[DVec3], visibility: &mut [f32]) {
-        let side = self.record().resolution();
-        let voxels = points_world.iter().map(|p| clamp_to_volume(self.voxel_from_world(*p), side));
-        many::visibility(&self.file.pool, self.top_grid(), voxels, visibility);
+        let places = points_world.iter().map(|p| self.projection().place(*p));
+        many::visibility(&self.file.pool, &self.file.top_grids[self.index], places, visibility);
     }
 
-    /// Visibility at real-valued voxel coordinates.
+    /// Visibility at real-valued voxel coordinates of a face; cones do not count.
     #[inline]
     #[must_use]
-    pub fn voxel_visibility(self, voxel: DVec3) -> f32 {
-        let side = self.record().resolution();
-        match clamp_to_volume(voxel, side) {
-            Some(voxel) => f32::from(self.is_lit(voxel)),
-            None => 1.0,
-        }
+    pub fn voxel_visibility(self, at: FacePoint) -> f32 {
+        let side = f64::from(self.record().resolution());
+        clamp_to_volume(at.voxel, side).map_or(1.0, |voxel| f32::from(self.is_lit(at.face, voxel)))
     }
 
-    /// Whether a voxel is lit; indices are less than the resolution (only their low bits count).
+    /// Whether a voxel of a face is lit; indices are less than the resolution (only their low bits count).
+    ///
+    /// # Panics
+    /// When the light has no such face.
     #[inline]
     #[must_use]
-    pub fn is_lit(self, voxel: [u32; 3]) -> bool {
+    pub fn is_lit(self, face: usize, voxel: [u32; 3]) -> bool {
         let mask = self.record().resolution() - 1;
         let voxel = voxel.map(|c| c & mask);
-        let grid = self.top_grid();
+        let grid = self.top_grid(face);
         is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)
     }
 
@@ -99,51 +129,58 @@ impl<'a> LightShadow<'a> {
     ///
     /// With a unit surface normal (world space) the sample first moves off the surface, just far enough that a plane
     /// with that normal does not shadow itself under any tap; where geometry is closed a single tap needs none.
-    /// Taps outside the volume sideways count as lit. Cost: two to four point lookups for 9 x 9 taps, at most 4 masks (9
+    /// Taps outside the volume sideways count as lit; taps across the edge of a cube's face see what lies there, and taps
+    /// outside a spot light's cone what casts there. Cost: two to four point lookups for 9 x 9 taps, at most 4 masks (9
     /// for 17 x 17).
     #[inline]
     #[must_use]
     pub fn filtered(self, point_world: DVec3, normal_world: Option<DVec3>, filter: Filter) -> f32 {
-        let point = normal_world.map_or(point_world, |n| point_world + n * self.bias_m(n, filter));
-        self.voxel_filtered(self.voxel_from_world(point), filter)
+        if self.is_outside_cone(point_world) {
+            return 0.0;
+        }
+        let point = normal_world.map_or(point_world, |n| point_world + n * self.bias_m(point_world, n, filter));
+        self.voxel_filtered(self.project(point), filter)
     }
 
-    /// Filtered visibility at real-valued voxel coordinates, without bias.
+    /// Filtered visibility at real-valued voxel coordinates of a face, without bias; cones do not count.
     #[inline]
     #[must_use]
-    pub fn voxel_filtered(self, voxel: DVec3, filter: Filter) -> f32 {
+    pub fn voxel_filtered(self, at: FacePoint, filter: Filter) -> f32 {
         if filter.taps() == 1 {
-            return self.voxel_visibility(voxel);
+            return self.voxel_visibility(at);
         }
-        pcf::filtered(&self.file.pool, self.top_grid(), self.record().resolution(), voxel, filter)
+        pcf::filtered(&self.file.pool, self.top_grid(at.face), self.record().resolution(), at.voxel, filter)
     }
 
     /// How far along a unit normal a filtered lookup moves off its surface, metres: see [`LightShadow::filtered`].
     ///
     /// A plane of normal n rises by |n_x| + |n_y| over |n_z| in depth from the middle of a unit square to its corner,
-    /// so a step of half the filter's width times |n_x| + |n_y| clears every tap (n in the light's axes). The papers
+    /// so a step of half the filter's width times |n_x| + |n_y| clears every tap (n in the axes of the light's face, the
+    /// width as it is at the point's depth: all taps share a depth, so the same holds in perspective). The papers
     /// step half a width for every normal (Kämpe et al. 2015, section 4): too little for diagonal slopes, too much
     /// for surfaces that face the light.
     #[must_use]
-    pub fn bias_m(self, normal_world: DVec3, filter: Filter) -> f64 {
-        let record = self.record();
-        let [row_x, row_y, _] = record.voxel_from_offset.map(DVec3::from_array);
-        let lateral = (row_x.dot(normal_world).abs() + row_y.dot(normal_world).abs()) * record.texel_size_m;
-        let half_width_m = (0.5 * f64::from(filter.taps()) + SNAP_BIAS_TEXELS) * record.texel_size_m;
-        half_width_m * lateral + 0.5 * record.slice_size_m
+    pub fn bias_m(self, point_world: DVec3, normal_world: DVec3, filter: Filter) -> f64 {
+        let frame = self.frame(point_world);
+        let lateral = frame.right.dot(normal_world).abs() + frame.down.dot(normal_world).abs();
+        (0.5 * f64::from(filter.taps()) + SNAP_BIAS_TEXELS) * frame.texel_m * lateral + 0.5 * frame.slice_m
     }
 
-    pub(crate) fn top_grid(self) -> &'a TopGrid {
-        &self.file.top_grids[self.index]
+    /// Depth along the axis of a face, metres, at a real-valued slice: from the light, or from the volume's first slice.
+    pub(crate) fn depth_of_slice(self, slice: f64) -> f64 {
+        self.projection().depth_of_slice(slice)
     }
-}
 
-/// The voxel that holds a point of the volume; points behind the last slice take the last one. `None` sideways of or
-/// before the volume, and for coordinates that are not numbers: lit.
-#[inline(always)]
-fn clamp_to_volume(voxel: DVec3, side: u32) -> Option<[u32; 3]> {
-    let n = f64::from(side);
-    let inside = voxel.x >= 0.0 && voxel.x < n && voxel.y >= 0.0 && voxel.y < n && voxel.z >= 0.0;
-    // A cast of a non-negative number rounds down and saturates.
-    inside.then(|| [voxel.x as u32, voxel.y as u32, (voxel.z as u32).min(side - 1)])
+    /// Whether rays spread from a point.
+    pub(crate) fn is_local(self) -> bool {
+        self.kind() != LightKind::Directional
+    }
+
+    pub(crate) fn projection(self) -> &'a Projection {
+        &self.file.projections[self.index]
+    }
+
+    pub(crate) fn top_grid(self, face: usize) -> &'a TopGrid {
+        &self.file.top_grids[self.index][face]
+    }
 }

@@ -1,30 +1,39 @@
 //! Point lookups side by side: descents of several points take turns, level by level, so that one's memory reads run
 //! while another's are under way and no branch depends on a single point's depth.
 
+use alloc::sync::Arc;
+
+use super::project::Place;
 use super::top_grid::TopGrid;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL, child_code, child_slot};
 
 /// Points that descend together.
 const LANES: usize = 8;
 
-/// Visibility of voxels; points outside the volume (`None`) are lit.
+/// Visibility at places of a light, whose faces have the given grids.
 pub(crate) fn visibility(
     pool: &[u32],
-    grid: &TopGrid,
-    mut voxels: impl Iterator<Item = Option<[u32; 3]>>,
+    grids: &[Arc<TopGrid>],
+    mut places: impl Iterator<Item = Place>,
     visibility: &mut [f32],
 ) {
+    // Grids of homogeneous faces are smaller: their lanes end at once.
+    let level = grids.iter().map(|grid| grid.level).min().unwrap_or(0);
     for answers in visibility.chunks_mut(LANES) {
         let mut lanes = Lanes { nodes: [LIT; LANES], voxels: [[0; 3]; LANES] };
         let mut filled = 0;
-        for (lane, voxel) in voxels.by_ref().take(answers.len()).enumerate() {
+        for (lane, place) in places.by_ref().take(answers.len()).enumerate() {
             filled += 1;
-            if let Some(voxel) = voxel {
-                lanes.voxels[lane] = voxel;
-                lanes.nodes[lane] = grid.node(voxel);
+            match place {
+                Place::Lit => {}
+                Place::Unlit => lanes.nodes[lane] = SHADOWED,
+                Place::At { face, voxel } => {
+                    lanes.voxels[lane] = voxel;
+                    lanes.nodes[lane] = grids[face].node(voxel);
+                }
             }
         }
-        lanes.descend(pool, grid.level);
+        lanes.descend(pool, level);
         for (lane, answer) in answers.iter_mut().enumerate().take(filled) {
             *answer = f32::from(lanes.is_lit(pool, lane));
         }

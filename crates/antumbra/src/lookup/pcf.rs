@@ -25,14 +25,44 @@ struct Window<'a> {
     z: u32,
 }
 
-/// Filtered visibility at real-valued voxel coordinates in a light of `side` texels per side.
+/// Weights of a window's taps.
+pub(crate) struct Weights {
+    /// Of the lit taps inside the volume.
+    pub lit: u32,
+    /// Of all taps inside the volume.
+    pub inside: u32,
+    /// Of all taps.
+    pub all: u32,
+}
+
+/// Filtered visibility at real-valued voxel coordinates in a light of `side` texels per side; taps outside are lit.
 #[inline]
 pub(crate) fn filtered(pool: &[u32], grid: &TopGrid, side: u32, voxel: DVec3, filter: Filter) -> f32 {
-    let Some(window) = Window::new(pool, side, voxel, filter) else { return 1.0 };
-    let total = filter.axis_weight() * filter.axis_weight();
-    let outside = total - window.rectangle_weight(window.first, window.last);
-    let lit = outside + window.lit_weight(grid);
-    lit as f32 / total as f32
+    let Weights { lit, inside, all } = weights(pool, grid, side, voxel, filter);
+    (lit + all - inside) as f32 / all as f32
+}
+
+/// The same, weight by weight. Before the first slice no tap is inside.
+#[inline]
+pub(crate) fn weights(pool: &[u32], grid: &TopGrid, side: u32, voxel: DVec3, filter: Filter) -> Weights {
+    let all = filter.axis_weight() * filter.axis_weight();
+    let Some(window) = Window::new(pool, side, voxel, filter) else { return Weights { lit: 0, inside: 0, all } };
+    Weights { lit: window.lit_weight(grid), inside: window.rectangle_weight(window.first, window.last), all }
+}
+
+/// Calls `each` with the middle of every tap outside the volume sideways, at the window's depth, and its weight.
+pub(crate) fn for_each_outside(side: u32, voxel: DVec3, filter: Filter, mut each: impl FnMut(DVec3, u32)) {
+    let radius = filter.radius() as i32;
+    let center = DVec3::new(libm::floor(voxel.x) + 0.5, libm::floor(voxel.y) + 0.5, voxel.z);
+    let inside = |c: f64| c >= 0.0 && c < f64::from(side);
+    for y in -radius..=radius {
+        for x in -radius..=radius {
+            let tap = center + DVec3::new(f64::from(x), f64::from(y), 0.0);
+            if !(inside(tap.x) && inside(tap.y)) {
+                each(tap, filter.weight(x.unsigned_abs()) * filter.weight(y.unsigned_abs()));
+            }
+        }
+    }
 }
 
 impl<'a> Window<'a> {

@@ -7,7 +7,7 @@ use super::point::descend;
 use crate::format::dag8::{SHADOWED, SLICE_LEVEL};
 
 /// log2 of the cells per side, where the light is large enough.
-const MAX_LOG2_CELLS: u32 = 5;
+pub(crate) const MAX_LOG2_CELLS: u32 = 5;
 
 /// References to the nodes at the level with min(32, N/8) nodes per side, x fastest, z slowest: 128 KiB at N >= 256.
 /// A homogeneous light has a single cell.
@@ -20,8 +20,9 @@ pub(crate) struct TopGrid {
 }
 
 impl TopGrid {
-    pub(crate) fn new(pool: &[u32], root: u32, log2_resolution: u32) -> Self {
-        let most = if root <= SHADOWED { 0 } else { MAX_LOG2_CELLS };
+    /// At most 2^`most_log2` cells per side.
+    pub(crate) fn new(pool: &[u32], root: u32, log2_resolution: u32, most_log2: u32) -> Self {
+        let most = if root <= SHADOWED { 0 } else { most_log2 };
         let log2_cells = most.min(log2_resolution - SLICE_LEVEL);
         let level = log2_resolution - log2_cells;
         let side = 1u32 << log2_cells;

@@ -1,0 +1,168 @@
+//! Prefiltered lookups, two ways (Sintorn et al. 2014): a pixel that covers many texels asks for their mean.
+//!
+//! - **Mean**: every node's header holds the mean over its voxels. A lookup stops at the node whose side matches the
+//!   footprint: fewer steps than to a single voxel.
+//! - **Levels**: a file may hold coarse levels, each a volume of half the last one's resolution, whose voxel is lit iff at
+//!   least half of the voxels that it stands for are. Percentage-closer filtering runs on the two levels about the
+//!   footprint's scale, and the two answers are blended.
+//!
+//! A mean is within 1/131070 of the mean of all point lookups in its node. A coarse voxel is within 1/2 of its, and a
+//! K x K filter's answer within the mean of its voxels' errors.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use glam::DVec3;
+
+use super::filter::Filter;
+use super::light::LightShadow;
+use super::pcf::{self, Weights};
+use super::point::{descend, is_lit, slice_mask};
+use super::project::{FacePoint, clamp_to_volume};
+use super::top_grid::TopGrid;
+use crate::format::dag8::{self, LIT, SHADOWED, SLICE_LEVEL};
+
+/// How to prefilter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prefilter {
+    /// The mean over the node that is as wide as the footprint.
+    Mean,
+    /// Filtering on coarse levels, as wide as the footprint; a file without them is filtered at full depth.
+    Levels(Filter),
+}
+
+impl<'a> LightShadow<'a> {
+    /// Whether the file holds coarse levels for [`Prefilter::Levels`].
+    #[must_use]
+    pub fn has_levels(self) -> bool {
+        !self.coarse().is_empty()
+    }
+
+    /// Visibility over a footprint: a square of `footprint_m` to a side about the point, as wide as the pixel that asks.
+    /// With a unit normal the sample moves off the surface, as far as what it averages over is wide.
+    ///
+    /// Footprints no wider than a texel, or for [`Prefilter::Levels`] than the filter, are looked up at full depth.
+    #[must_use]
+    pub fn prefiltered(self, point: DVec3, normal: Option<DVec3>, footprint_m: f64, how: Prefilter) -> f32 {
+        let texels = footprint_m / self.frame(point).texel_m;
+        match how {
+            Prefilter::Mean => {
+                // A square's nearest power of two; a footprint that is no number is no wider than a texel.
+                let level = libm::log2(texels.max(1.0) * core::f64::consts::SQRT_2) as u32;
+                self.mean_visibility(point, normal, level)
+            }
+            Prefilter::Levels(filter) => {
+                let level = libm::log2((texels / f64::from(filter.axis_weight()) * f64::from(filter.peak())).max(1.0));
+                self.level_filtered(point, normal, filter, level)
+            }
+        }
+    }
+
+    /// Mean visibility of the node of 2^`level` voxels per side that holds a point: level 0 is a point lookup.
+    ///
+    /// With a unit normal the point first moves as far off its surface as such a node is wide, so that no part of the node
+    /// lies behind a plane with that normal. Before the volume and sideways of it: lit; behind it: as the last node.
+    #[must_use]
+    pub fn mean_visibility(self, point: DVec3, normal: Option<DVec3>, level: u32) -> f32 {
+        if self.is_outside_cone(point) {
+            return 0.0;
+        }
+        let level = level.min(self.record().log2_resolution);
+        let at = self.project(normal.map_or(point, |n| point + n * self.mean_bias_m(point, n, level)));
+        let side = f64::from(self.record().resolution());
+        clamp_to_volume(at.voxel, side).map_or(1.0, |voxel| self.voxel_mean(at.face, voxel, level))
+    }
+
+    /// Mean visibility of the node of 2^`level` voxels per side that holds a voxel of a face.
+    ///
+    /// # Panics
+    /// When the light has no such face.
+    #[must_use]
+    pub fn voxel_mean(self, face: usize, voxel: [u32; 3], level: u32) -> f32 {
+        let pool = &self.file.pool[..];
+        let grid = self.top_grid(face);
+        let (node, from) = if level <= grid.level {
+            (grid.node(voxel), grid.level)
+        } else {
+            (self.record().roots[face], self.record().log2_resolution)
+        };
+        match descend(pool, node, from, level.max(SLICE_LEVEL), voxel) {
+            LIT => 1.0,
+            SHADOWED => 0.0,
+            node if level >= SLICE_LEVEL => dag8::mean(pool[node as usize]),
+            node => mean_within(pool, node, voxel, level),
+        }
+    }
+
+    /// Filtered visibility on the coarse levels about a real-valued one, blended. Level L has texels 2^L times as wide; 0
+    /// is the light itself, and levels past the coarsest (64 texels per side) count as that.
+    #[must_use]
+    pub fn level_filtered(self, point: DVec3, normal: Option<DVec3>, filter: Filter, level: f64) -> f32 {
+        if self.is_outside_cone(point) {
+            return 0.0;
+        }
+        let coarse = self.coarse();
+        let level = level.clamp(0.0, coarse.len() as f64);
+        let (fine, share) = (level as usize, (level - libm::floor(level)) as f32);
+        let widest = fine + usize::from(share > 0.0);
+        let at = self.project(normal.map_or(point, |n| point + n * self.level_bias_m(point, n, filter, widest as u32)));
+        let on = |l: usize| self.filtered_on_level(at, filter, l);
+        if share > 0.0 { on(fine) * (1.0 - share) + on(fine + 1) * share } else { on(fine) }
+    }
+
+    /// How far along a unit normal a lookup of a node's mean moves: the node's whole extent along the normal.
+    fn mean_bias_m(self, point: DVec3, normal: DVec3, level: u32) -> f64 {
+        if level == 0 {
+            return Filter::new_box(1).map_or(0.0, |one| self.bias_m(point, normal, one));
+        }
+        let frame = self.frame(point);
+        let lateral = frame.right.dot(normal).abs() + frame.down.dot(normal).abs();
+        f64::from(1u32 << level) * (lateral * frame.texel_m + frame.along.dot(normal).abs() * frame.slice_m)
+    }
+
+    /// A filter's bias on a level: its own at that scale, and half a coarse slice for the voxels' rounding.
+    fn level_bias_m(self, point: DVec3, normal: DVec3, filter: Filter, level: u32) -> f64 {
+        let scale = f64::from(1u32 << level);
+        let rounding = if level == 0 { 0.0 } else { 0.5 * scale * self.frame(point).slice_m };
+        self.bias_m(point, normal, filter) * scale + rounding
+    }
+
+    fn coarse(self) -> &'a [Vec<Arc<TopGrid>>] {
+        &self.file.level_grids[self.index]
+    }
+
+    /// Taps beyond a face's grid see the neighbouring face of a cube; they are left out beside a spot light's cone, and lit
+    /// beside a directional light's grid.
+    fn filtered_on_level(self, at: FacePoint, filter: Filter, level: usize) -> f32 {
+        let grid = |face: usize| match level {
+            0 => self.top_grid(face),
+            _ => &self.coarse()[level - 1][face],
+        };
+        let side = self.record().resolution() >> level;
+        let scale = 1.0 / f64::from(1u32 << level);
+        let voxel = at.voxel * scale;
+        let Weights { lit, inside, all } = pcf::weights(&self.file.pool, grid(at.face), side, voxel, filter);
+        if inside == all || !self.is_local() || at.voxel.z < 0.0 {
+            return (lit + all - inside) as f32 / all as f32;
+        }
+        let mut sum = [lit, inside];
+        pcf::for_each_outside(side, voxel, filter, |tap, weight| {
+            let Some(there) = self.projection().around_corner(FacePoint { voxel: tap / scale, ..at }) else { return };
+            let corner = clamp_to_volume(there.voxel * scale, f64::from(side));
+            let one_lit =
+                corner.is_none_or(|v| is_lit(&self.file.pool, grid(there.face).node(v), grid(there.face).level, v));
+            sum = [sum[0] + if one_lit { weight } else { 0 }, sum[1] + weight];
+        });
+        if sum[1] == 0 { 1.0 } else { sum[0] as f32 / sum[1] as f32 }
+    }
+}
+
+/// Mean of the cube of 2^`level` voxels per side, level 0 to 2, that holds a voxel of a slice node.
+fn mean_within(pool: &[u32], node: u32, [x, y, z]: [u32; 3], level: u32) -> f32 {
+    let side = 1u32 << level;
+    let [x, y, z] = [x, y, z].map(|c| c & 7 & !(side - 1));
+    let row = ((1u64 << side) - 1) << (8 * y + x);
+    let square = (0..side).fold(0, |square, i| square | (row << (8 * i)));
+    let lit: u32 = (z..z + side).map(|slice| (slice_mask(pool, node, slice) & square).count_ones()).sum();
+    lit as f32 / (side * side * side) as f32
+}
