@@ -1,19 +1,15 @@
 //! From a scene and its lights to a file's bytes.
 
-use std::time::Instant;
-
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::stat::BakeStats;
 use antumbra::format::write::{Contents, write};
-use antumbra::{Interior, LightKind, LightRecord};
+use antumbra::{DepthDistribution, Interior, LightKind};
 use antumbra_scene::{Light, Scene};
 
-use crate::casters::occluder::FirstHits;
 use crate::casters::{Blend, CasterOptions, Casters, Inverted};
-use crate::columns::{Build, BuildError, BuildTriangle, build};
-use crate::dag::{EncodeError, Encoded, Id, LIT, Tables, encode};
+use crate::dag::{EncodeError, Encoded, Id, LevelsError, Tables, coarse_levels, encode};
 use crate::light_space::Resolution;
-use crate::place::{fit_directional, for_each_placed};
+use crate::lights::{BuiltLight, Lights};
 
 /// How fine a light's grid is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,6 +34,15 @@ pub struct BakeOptions {
     pub inverted: Inverted,
     /// Translucent casters.
     pub blend: Blend,
+    /// Casters nearer to a spot or point light than this, along a face's axis, are ignored, metres; `None` for 1/1024 of
+    /// its range.
+    pub near_m: Option<f64>,
+    /// How slices of spot and point lights are spread: logarithmically, but for comparisons.
+    pub local_depth: DepthDistribution,
+    /// Whether to add coarse levels, for prefiltered lookups.
+    pub levels: bool,
+    /// Whether to add enter depths, for blocker lookups.
+    pub enter_depths: bool,
     /// Threads; 0 takes one per core.
     pub threads: usize,
     /// Bytes that the bake may hold beside the scene.
@@ -51,6 +56,10 @@ impl Default for BakeOptions {
             resolution: ResolutionRequest::Default,
             inverted: Inverted::Open,
             blend: Blend::Skip,
+            near_m: None,
+            local_depth: DepthDistribution::Logarithmic,
+            levels: false,
+            enter_depths: false,
             threads: 0,
             memory_limit: None,
         }
@@ -80,6 +89,8 @@ pub struct Baked {
     pub bytes: Vec<u8>,
     /// One report per light, in the file's order.
     pub lights: Vec<LightReport>,
+    /// Bytes of nodes that only coarse levels have.
+    pub levels_bytes: u64,
     /// Triangles by what they were judged.
     pub stats: BakeStats,
     /// Threads that built.
@@ -119,9 +130,23 @@ pub enum BakeError {
     /// No lights were given.
     #[error("there is no light to bake; add one with --sun AZIMUTH,ELEVATION")]
     NoLights,
-    /// A light of a kind that cannot be baked.
-    #[error("light \"{0}\" is no directional light: this version bakes directional lights only")]
-    LightKind(String),
+    /// A local light that stands nowhere, or whose range is none.
+    #[error("light \"{0}\" has no finite position and range; fix its node's transform or give it a range")]
+    LightPlace(String),
+    /// A near distance that does not fit a light's range.
+    #[error(
+        "light \"{light}\" shines to {far_m} m: its near distance cannot be {near_m} m; give --near {least_m:.3e} to less than its range"
+    )]
+    Near {
+        /// The light.
+        light: String,
+        /// The near distance.
+        near_m: f64,
+        /// What would do.
+        least_m: f64,
+        /// The light's range.
+        far_m: f64,
+    },
     /// A light whose direction is not finite or zero.
     #[error("light \"{0}\" has no direction; fix its node's rotation")]
     LightDirection(String),
@@ -136,8 +161,8 @@ pub enum BakeError {
     /// More distinct nodes than ids or file offsets can number.
     #[error("the lights need more nodes than a file can hold; lower --resolution or bake fewer lights per file")]
     TooManyNodes,
-    /// A policy that is not there.
-    #[error("interior policy {0} is not in this version; use auto, open or closed")]
+    /// A policy's length that is none.
+    #[error("interior policy {0} needs a length of 0 m or more")]
     Interior(&'static str),
     /// Texels so small that no grid has them.
     #[error(
@@ -204,22 +229,19 @@ fn bake_here(
     }
     let mut warnings = casters_warnings(&casters, options);
     let tables = Tables::default();
-    let mut built = Vec::with_capacity(lights.len());
-    for light in lights {
-        built.push(build_light(&casters, light, options, &tables, progress, &mut warnings)?);
-    }
-    progress.stage("encoding");
-    finish(scene, &casters, tables, built, lights, options, warnings)
+    let mut built = Lights { casters: &casters, options, tables: &tables, progress }.build(lights)?;
+    built.iter_mut().for_each(|light| warnings.append(&mut light.warnings));
+    finish(scene, &casters, tables, built, options, progress, warnings)
 }
 
 fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeError> {
-    if matches!(options.interior, Interior::Thickness(_) | Interior::Static(_)) {
+    if let Interior::Thickness(m) | Interior::Static(m) = options.interior
+        && !(m >= 0.0 && m.is_finite())
+    {
         return Err(BakeError::Interior(options.interior.name()));
     }
-    if let Some(light) = lights.iter().find(|l| l.kind != antumbra_scene::LightKind::Directional) {
-        return Err(BakeError::LightKind(light.name.clone()));
-    }
-    let has_direction = |l: &Light| l.direction_world.is_finite() && l.direction_world != glam::DVec3::ZERO;
+    let is_direction = |d: glam::DVec3| d.is_finite() && d != glam::DVec3::ZERO;
+    let has_direction = |l: &Light| l.kind == antumbra_scene::LightKind::Point || is_direction(l.direction_world);
     if let Some(light) = lights.iter().find(|l| !has_direction(l)) {
         return Err(BakeError::LightDirection(light.name.clone()));
     }
@@ -243,67 +265,7 @@ fn casters_warnings(casters: &Casters<'_>, options: &BakeOptions) -> Vec<String>
             "{parts} closed part(s) are turned inside out and lie in no solid; they stay open surfaces (--inverted solid turns them)"
         ));
     }
-    if counts.alpha_masked > 0 {
-        let masked = counts.alpha_masked;
-        warnings
-            .push(format!("{masked} alpha-masked triangles cast as if opaque: this version does not test alpha masks"));
-    }
     warnings
-}
-
-struct BuiltLight {
-    record: LightRecord,
-    root: Id,
-    seconds: f64,
-}
-
-fn build_light(
-    casters: &Casters<'_>,
-    light: &Light,
-    options: &BakeOptions,
-    tables: &Tables,
-    progress: &dyn Progress,
-    warnings: &mut Vec<String>,
-) -> Result<BuiltLight, BakeError> {
-    let start = Instant::now();
-    progress.stage(&format!("placing casters for {}", light.name));
-    let space = fit_directional(casters, light.direction_world, options.resolution)?;
-    let limit = options.memory_limit.unwrap_or(u64::MAX);
-    let out_of_memory = |stage| BakeError::Memory { limit, stage };
-    let casters_bytes = triangle_bytes(casters.len() as u64);
-    let tables_limit = limit.checked_sub(casters_bytes).ok_or(out_of_memory("placing the casters"))?;
-    let mut triangles = Vec::with_capacity(casters.len());
-    let mut first_hits = FirstHits::default();
-    for_each_placed(casters, &space, |t, node| {
-        first_hits.insert(t, node);
-        triangles.extend(BuildTriangle::new(t, space.resolution()));
-    });
-    warnings.extend(first_hits.warning(casters.scene()));
-    progress.stage(&format!("building {}", light.name));
-    let root = build(&Build {
-        triangles: &triangles,
-        resolution: space.resolution(),
-        tables,
-        memory_limit: tables_limit,
-        progress: &|share| progress.advance(share),
-    });
-    let root = root.map_err(|e| match e {
-        BuildError::MemoryLimit => out_of_memory("building"),
-        BuildError::TooManyNodes => BakeError::TooManyNodes,
-    })?;
-    if root == LIT {
-        let name = &light.name;
-        warnings.push(format!(
-            "no caster covers a texel of \"{name}\": everything is lit; look at the casters' sizes and places"
-        ));
-    }
-    Ok(BuiltLight { record: space.record(), root, seconds: start.elapsed().as_secs_f64() })
-}
-
-/// Bytes that so many triangles take with their tiles' lists.
-fn triangle_bytes(triangles: u64) -> u64 {
-    // A list holds every triangle once; those of a tile's descendants add up to less than twice that.
-    triangles * (size_of::<BuildTriangle>() as u64 + 3 * 16)
 }
 
 fn finish(
@@ -311,12 +273,25 @@ fn finish(
     casters: &Casters<'_>,
     tables: Tables,
     built: Vec<BuiltLight>,
-    lights: &[Light],
     options: &BakeOptions,
+    progress: &dyn Progress,
     warnings: Vec<String>,
 ) -> Result<Baked, BakeError> {
-    let roots: Vec<(Id, u32)> = built.iter().map(|b| (b.root, b.record.log2_resolution)).collect();
     let limit = options.memory_limit.unwrap_or(u64::MAX);
+    let mut roots: Vec<(Id, u32)> = Vec::new();
+    for light in &built {
+        roots.extend(light.roots.iter().map(|root| (*root, light.record.log2_resolution)));
+    }
+    let light_roots = roots.len();
+    if options.levels {
+        progress.stage("making coarse levels");
+        let lights = built.iter().map(|light| (&light.roots[..], light.record.log2_resolution));
+        roots.extend(coarse_levels(&tables, lights, limit).map_err(|e| match e {
+            LevelsError::MemoryLimit => BakeError::Memory { limit, stage: "making coarse levels" },
+            LevelsError::TooManyNodes => BakeError::TooManyNodes,
+        })?);
+    }
+    progress.stage("encoding");
     let encoded: Encoded = encode(tables, &roots, limit).map_err(|e| match e {
         EncodeError::MemoryLimit => BakeError::Memory { limit, stage: "encoding" },
         EncodeError::TooManyWords => BakeError::TooManyNodes,
@@ -325,29 +300,29 @@ fn finish(
     let mut names = String::new();
     let mut records = Vec::with_capacity(built.len());
     let mut reports = Vec::with_capacity(built.len());
-    for (i, (built, light)) in built.into_iter().zip(lights).enumerate() {
-        let mut record = built.record;
+    let mut enters = Vec::new();
+    let mut next_root = 0;
+    for light in &built {
+        let of_light = next_root..next_root + light.roots.len();
+        next_root = of_light.end;
+        let mut record = light.record;
         record.name_offset = names.len() as u32;
         record.name_length = light.name.len() as u32;
         names.push_str(&light.name);
         record.interior = policy;
         record.interior_parameter_m = parameter;
-        record.roots[0] = encoded.roots[i];
+        record.roots[..light.roots.len()].copy_from_slice(&encoded.roots[of_light.clone()]);
         records.push(record);
-        let (nodes, words) = encoded.added[i];
-        reports.push(LightReport {
-            name: light.name.clone(),
-            kind: LightKind::Directional,
-            resolution: record.resolution(),
-            texel_size_m: record.texel_size_m,
-            bytes: 4 * words,
-            build_seconds: built.seconds,
-            nodes,
-        });
+        enters.extend_from_slice(&light.enters);
+        reports.push(light.report(&encoded.added[of_light]));
     }
     let stats = stats(scene, casters);
-    let bytes = write(&Contents::new(&records, &names, &encoded.pool, stats));
-    Ok(Baked { bytes, lights: reports, stats, threads: rayon::current_num_threads(), warnings })
+    let levels_bytes = encoded.added[light_roots..].iter().map(|(_, words)| 4 * words).sum();
+    let mut contents = Contents::new(&records, &names, &encoded.pool, stats);
+    contents.levels = options.levels.then_some(&encoded.roots[light_roots..]);
+    contents.enters = options.enter_depths.then_some(&enters[..]);
+    let bytes = write(&contents);
+    Ok(Baked { bytes, lights: reports, levels_bytes, stats, threads: rayon::current_num_threads(), warnings })
 }
 
 fn stats(scene: &Scene, casters: &Casters<'_>) -> BakeStats {

@@ -19,6 +19,7 @@ pub mod casters;
 pub mod columns;
 pub mod dag;
 pub mod light_space;
+mod lights;
 pub mod oracle;
 pub mod place;
 

@@ -5,6 +5,28 @@
 
 use crate::light_space::{LATERAL_BITS, LatticeTriangle, Resolution};
 
+/// What a light's policy leaves free behind open surfaces.
+pub enum Free<'a> {
+    /// Nothing.
+    Nothing,
+    /// From an enter depth, the deepest transition that a thickness allows.
+    Behind(&'a (dyn Fn(u32) -> u32 + Sync)),
+    /// From the second surface's slice, the deepest transition that a margin allows.
+    BeforeSecond(&'a (dyn Fn(u32) -> u32 + Sync)),
+}
+
+/// How a light sees its triangles.
+pub struct View<'a> {
+    /// Texels per side.
+    pub resolution: Resolution,
+    /// Slice of a depth on the lattice, rounded down.
+    pub slice: &'a (dyn Fn(u32) -> u32 + Sync),
+    /// Whether a triangle (by its index) is there at a lattice point that it covers: its alpha test.
+    pub keeps: &'a (dyn Fn(usize, [i64; 2]) -> bool + Sync),
+    /// What its policy leaves free.
+    pub free: Free<'a>,
+}
+
 /// Where a texel's transition may lie: any t with `enter <= t <= exit` is right (slices below t are lit, the others
 /// shadowed). `u32::MAX` stands for never: a texel without casters is [`Interval::NEVER`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +45,7 @@ impl Interval {
 /// Triangles binned by their boxes, so that a texel need not look at all of them.
 pub struct Oracle<'a> {
     triangles: &'a [LatticeTriangle],
-    resolution: Resolution,
+    view: View<'a>,
     bin_shift: u32,
     bins_per_side: usize,
     bins: Vec<Vec<u32>>,
@@ -39,12 +61,13 @@ struct Crossing {
 impl<'a> Oracle<'a> {
     /// Bins the triangles.
     #[must_use]
-    pub fn new(triangles: &'a [LatticeTriangle], resolution: Resolution) -> Self {
-        let log2_bins = resolution.log2().min(9);
+    pub fn new(triangles: &'a [LatticeTriangle], view: View<'a>) -> Self {
+        let log2_bins = view.resolution.log2().min(9);
         let bin_shift = LATERAL_BITS - log2_bins;
         let bins_per_side = 1usize << log2_bins;
         let mut bins = vec![Vec::new(); bins_per_side * bins_per_side];
-        let bin_of = |c: i32| ((c >> bin_shift) as usize).min(bins_per_side - 1);
+        // Corners may lie beside the grid.
+        let bin_of = |c: i32| ((c >> bin_shift).max(0) as usize).min(bins_per_side - 1);
         for (index, t) in triangles.iter().enumerate() {
             let span = |c: [i32; 3]| bin_of(c[0].min(c[1]).min(c[2]))..=bin_of(c[0].max(c[1]).max(c[2]));
             for y in span(t.y) {
@@ -53,7 +76,7 @@ impl<'a> Oracle<'a> {
                 }
             }
         }
-        Self { triangles, resolution, bin_shift, bins_per_side, bins }
+        Self { triangles, view, bin_shift, bins_per_side, bins }
     }
 
     /// The exact interval of texel (x, y).
@@ -63,28 +86,41 @@ impl<'a> Oracle<'a> {
         crossings.sort_by_key(|c| c.slice);
         let Some(first) = crossings.first() else { return Interval::NEVER };
         let enter = first.slice + 1;
-        // The winding number behind each slice: within a slice entries come before exits, so touching solids leave
-        // no slit. The ray is out of all solids behind the first slice where the number is not positive.
-        let mut winding = 0;
-        for same_slice in crossings.chunk_by(|a, b| a.slice == b.slice) {
-            winding += same_slice.iter().map(|c| c.winding).sum::<i32>();
-            if winding <= 0 {
-                return Interval { enter, exit: same_slice[0].slice.max(enter) };
-            }
-        }
-        Interval { enter, exit: u32::MAX }
+        let exit = exit_from_solids(&crossings, enter);
+        let counts = |slice: &u32| *slice > first.slice && *slice < self.view.resolution.texels();
+        let second = crossings.iter().map(|c| c.slice).find(counts);
+        let free = match self.view.free {
+            Free::Nothing => enter,
+            Free::Behind(deepest) => deepest(enter),
+            Free::BeforeSecond(deepest) => second.map_or(u32::MAX, deepest),
+        };
+        Interval { enter, exit: exit.max(free) }
     }
 
     fn crossings(&self, x: u32, y: u32) -> Vec<Crossing> {
-        let [px, py] = [x, y].map(|c| self.resolution.texel_center(c));
+        let [px, py] = [x, y].map(|c| self.view.resolution.texel_center(c));
         let bin = |p: i64| (p >> self.bin_shift) as usize;
         let bin = &self.bins[bin(py) * self.bins_per_side + bin(px)];
-        bin.iter().filter_map(|&t| crossing(&self.triangles[t as usize], px, py, self.resolution)).collect()
+        let kept = bin.iter().filter(|&&t| (self.view.keeps)(t as usize, [px, py]));
+        kept.filter_map(|&t| crossing(&self.triangles[t as usize], px, py, self.view.slice)).collect()
     }
 }
 
+/// The winding number behind each slice: within a slice entries come before exits, so touching solids leave no slit. The
+/// ray is out of all solids behind the first slice where the number is not positive.
+fn exit_from_solids(sorted: &[Crossing], enter: u32) -> u32 {
+    let mut winding = 0;
+    for same_slice in sorted.chunk_by(|a, b| a.slice == b.slice) {
+        winding += same_slice.iter().map(|c| c.winding).sum::<i32>();
+        if winding <= 0 {
+            return same_slice[0].slice.max(enter);
+        }
+    }
+    u32::MAX
+}
+
 /// Where the ray at lattice point (px, py), moved to (px + d, py + d^2) for an infinitesimal d > 0, meets a triangle.
-fn crossing(t: &LatticeTriangle, px: i64, py: i64, resolution: Resolution) -> Option<Crossing> {
+fn crossing(t: &LatticeTriangle, px: i64, py: i64, slice: &dyn Fn(u32) -> u32) -> Option<Crossing> {
     let area = i128::from(t.doubled_area());
     // Barycentric weights, scaled by the doubled area.
     let mut weights = [0i128; 3];
@@ -102,5 +138,5 @@ fn crossing(t: &LatticeTriangle, px: i64, py: i64, resolution: Resolution) -> Op
     let depth: i128 = (0..3).map(|i| weights[i] * i128::from(t.z[i])).sum();
     let floor = if area > 0 { depth.div_euclid(area) } else { (-depth).div_euclid(-area) };
     let winding = if t.solid { -area.signum() as i32 } else { 0 };
-    Some(Crossing { slice: (floor >> resolution.slice_shift()) as u32, winding })
+    Some(Crossing { slice: slice(floor as u32), winding })
 }

@@ -1,19 +1,137 @@
-//! Joins casters and light space: fits a light's grid to the casters and puts them on its lattice.
+//! Joins casters and light space: lays a light's grid and puts the casters on its lattice.
 
+use antumbra::{DepthDistribution, Interior, LightRecord};
+use antumbra_scene::{AlphaTest, Bounds, Light, LightKind};
 use glam::DVec3;
 
 use crate::bake::{BakeError, ResolutionRequest};
-use crate::casters::Casters;
-use crate::light_space::{DirectionalSpace, LatticeTriangle, Resolution};
+use crate::casters::{CasterTriangle, Casters, MaskedTriangle, OpenedParts};
+use crate::columns::{BuildTriangle, Cutout, CutoutCorners, Freedom};
+use crate::light_space::{DirectionalSpace, LATERAL_BITS, LatticeTriangle, LocalLight, LocalSpace, Resolution, Slices};
 
 /// Corners farther out than this are taken for a mistake: squares of such lengths still fit an `f64`.
 const FARTHEST_M: f64 = 1e100;
+/// Near distance of a local light in parts of its range, unless told otherwise.
+const NEAR_SHARE: f64 = 1.0 / 1024.0;
+/// Least near distance in parts of the range: slices nearer than that would be finer than the depth lattice.
+const LEAST_NEAR_SHARE: f64 = 1e-6;
 
-/// The grid of a directional light about the casters.
-///
-/// # Errors
-/// [`BakeError::TexelSize`] if no resolution has such small texels, [`BakeError::Misplaced`] if a corner is not finite.
-pub fn fit_directional(
+/// A light's grid, or grids.
+#[derive(Clone, Copy, Debug)]
+pub enum LightSpace {
+    /// Parallel rays.
+    Directional(DirectionalSpace),
+    /// Rays from a point.
+    Local(LocalSpace),
+}
+
+/// Wishes about a light's grid.
+#[derive(Clone, Copy, Debug)]
+pub struct SpaceRequest {
+    /// How fine.
+    pub resolution: ResolutionRequest,
+    /// Near distance of local lights, metres.
+    pub near_m: Option<f64>,
+    /// How local lights' slices are spread.
+    pub distribution: DepthDistribution,
+}
+
+impl LightSpace {
+    /// The grid of a light: about the casters, or about the light.
+    ///
+    /// # Errors
+    /// [`BakeError::TexelSize`] if no resolution has such small texels, [`BakeError::Misplaced`] if a corner is not finite,
+    /// [`BakeError::LightPlace`] and [`BakeError::Near`] if a local light's numbers make no sense.
+    pub fn new(casters: &Casters<'_>, light: &Light, request: SpaceRequest) -> Result<Self, BakeError> {
+        match light.kind {
+            LightKind::Directional => {
+                fit_directional(casters, light.direction_world, request.resolution).map(Self::Directional)
+            }
+            LightKind::Spot { .. } | LightKind::Point => lay_local(casters, light, request).map(Self::Local),
+        }
+    }
+
+    /// Texels per side.
+    #[must_use]
+    pub fn resolution(&self) -> Resolution {
+        match self {
+            Self::Directional(space) => space.resolution(),
+            Self::Local(space) => space.resolution(),
+        }
+    }
+
+    /// Grids: 1 or 6.
+    #[must_use]
+    pub fn faces(&self) -> usize {
+        match self {
+            Self::Directional(_) => 1,
+            Self::Local(space) => space.faces(),
+        }
+    }
+
+    /// From depth on the lattice to slices.
+    #[must_use]
+    pub fn slices(&self) -> Slices {
+        match self {
+            Self::Directional(space) => Slices::even(space.resolution()),
+            Self::Local(s) => Slices::local(s.resolution(), s.far_m() / s.near_m(), s.distribution()),
+        }
+    }
+
+    /// What a policy leaves free behind open surfaces.
+    #[must_use]
+    pub fn freedom(&self, interior: Interior) -> Freedom {
+        match self {
+            Self::Directional(space) => Freedom::directional(interior, space.slice_size_m()),
+            Self::Local(space) => Freedom::local(interior, space),
+        }
+    }
+
+    /// The light's record but for its name, policy and roots.
+    #[must_use]
+    pub fn record(&self) -> LightRecord {
+        match self {
+            Self::Directional(space) => space.record(),
+            Self::Local(space) => space.record(),
+        }
+    }
+
+    /// Closed parts that the light's rays do not start outside of.
+    #[must_use]
+    pub fn opened_parts(&self, casters: &Casters<'_>) -> OpenedParts {
+        match self {
+            Self::Directional(_) => OpenedParts::default(),
+            // The near planes of a spot light's one face reach as far aside as its grid does.
+            Self::Local(space) => {
+                let half_side_m = space.near_m() * space.tangent_of_grid().max(1.0);
+                casters.opened_parts(space.position_world(), space.axes(), half_side_m)
+            }
+        }
+    }
+
+    /// Whether casters of a node with this world box can matter.
+    fn reaches(&self, bounds: &Bounds) -> bool {
+        let Self::Local(space) = self else { return true };
+        let position = space.position_world();
+        let reach = DVec3::splat(space.half_box_m() * 3f64.sqrt());
+        bounds.min.cmple(position + reach).all() && (position - reach).cmple(bounds.max).all()
+    }
+
+    /// The corners of a caster times their weights, in a face's lattice coordinates: see [`CutoutCorners`].
+    fn homogeneous(&self, corners: [DVec3; 3], face: usize) -> [DVec3; 3] {
+        let middle = 0.5 * (1u64 << LATERAL_BITS) as f64;
+        corners.map(|corner| match self {
+            Self::Directional(space) => space.lattice_point(corner).extend(1.0),
+            Self::Local(space) => {
+                let p = space.on_face(corner, face);
+                let scale = space.steps_per_tangent();
+                DVec3::new(p.x * scale + p.z * middle, p.y * scale + p.z * middle, p.z)
+            }
+        })
+    }
+}
+
+fn fit_directional(
     casters: &Casters<'_>,
     direction_world: DVec3,
     request: ResolutionRequest,
@@ -23,7 +141,7 @@ pub fn fit_directional(
     let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let mut misplaced = None;
     casters.for_each(|t| {
-        if t.corners.iter().any(|c| c.abs().max_element() > FARTHEST_M || c.is_nan()) {
+        if is_misplaced(&t) {
             misplaced.get_or_insert(t.node);
             return;
         }
@@ -35,27 +153,117 @@ pub fn fit_directional(
         return Err(BakeError::Misplaced(casters.scene().nodes[node].name.clone()));
     }
     let side_m = DirectionalSpace::side_m(extent);
-    let resolution = match request {
-        ResolutionRequest::Default => Resolution::DEFAULT_DIRECTIONAL,
-        ResolutionRequest::Texels(resolution) => resolution,
-        ResolutionRequest::TexelSize(texel_m) => Resolution::for_texel_size(side_m, texel_m).ok_or_else(|| {
-            let least_m = side_m / f64::from(Resolution::MAX.texels());
-            BakeError::TexelSize { texel_m, extent_m: side_m, least_m }
-        })?,
-    };
+    let resolution = choose(request, Resolution::DEFAULT_DIRECTIONAL, side_m, |r| side_m / f64::from(r.texels()))?;
     Ok(DirectionalSpace::fit(axes, origin.unwrap_or_default(), extent, resolution))
 }
 
-/// Calls `each` with every caster on the light's lattice and its node, in the scene's order.
-pub fn for_each_placed(casters: &Casters<'_>, space: &DirectionalSpace, mut each: impl FnMut(&LatticeTriangle, usize)) {
-    casters.for_each(|t| {
-        let corners = t.corners.map(|c| space.snap(c));
-        let triangle = LatticeTriangle {
-            x: corners.map(|c| c.0[0]),
-            y: corners.map(|c| c.0[1]),
-            z: corners.map(|c| c.1),
-            solid: t.solid,
-        };
-        each(&triangle, t.node);
-    });
+fn is_misplaced(triangle: &CasterTriangle<'_>) -> bool {
+    triangle.corners.iter().any(|c| c.abs().max_element() > FARTHEST_M || c.is_nan())
+}
+
+/// The resolution that was asked for; for a texel size the least that has it.
+fn choose(
+    request: ResolutionRequest,
+    default: Resolution,
+    extent_m: f64,
+    texel_m: impl Fn(Resolution) -> f64,
+) -> Result<Resolution, BakeError> {
+    match request {
+        ResolutionRequest::Default => Ok(default),
+        ResolutionRequest::Texels(resolution) => Ok(resolution),
+        ResolutionRequest::TexelSize(wanted_m) => Resolution::all()
+            .find(|r| texel_m(*r) <= wanted_m)
+            .ok_or_else(|| BakeError::TexelSize { texel_m: wanted_m, extent_m, least_m: texel_m(Resolution::MAX) }),
+    }
+}
+
+fn lay_local(casters: &Casters<'_>, light: &Light, request: SpaceRequest) -> Result<LocalSpace, BakeError> {
+    let far_m = light.range_m.unwrap_or_else(|| casters.scene().bounds(|_| true).diagonal());
+    let near_m = request.near_m.unwrap_or(far_m * NEAR_SHARE);
+    let is_sane = |m: f64| m > 0.0 && m < FARTHEST_M;
+    if !is_sane(far_m) || !light.position_world.is_finite() || light.position_world.abs().max_element() > FARTHEST_M {
+        return Err(BakeError::LightPlace(light.name.clone()));
+    }
+    if !is_sane(near_m) || near_m >= far_m || near_m < far_m * LEAST_NEAR_SHARE {
+        let (name, least_m) = (light.name.clone(), far_m * LEAST_NEAR_SHARE);
+        return Err(BakeError::Near { light: name, near_m, least_m, far_m });
+    }
+    let texel_m = |r: Resolution| far_m / LocalSpace::texels_per_tangent(light.kind, r);
+    let extent_m = 2.0 * far_m * LocalSpace::reach(light.kind);
+    let resolution = choose(request.resolution, Resolution::DEFAULT_LOCAL, extent_m, texel_m)?;
+    let local = LocalLight {
+        kind: light.kind,
+        position_world: light.position_world,
+        direction_world: light.direction_world,
+        near_m,
+        far_m,
+        distribution: request.distribution,
+    };
+    Ok(LocalSpace::new(&local, resolution))
+}
+
+/// Calls `each` with every caster on the lattice of each face that may see it, and with the face and the caster itself:
+/// in the scene's order, and face by face for each caster. A caster that is clipped comes in several triangles.
+pub fn for_each_placed<'s>(
+    casters: &Casters<'s>,
+    space: &LightSpace,
+    opened: &OpenedParts,
+    mut each: impl FnMut(usize, &LatticeTriangle, &CasterTriangle<'s>),
+) {
+    casters.for_each_in(
+        |bounds| space.reaches(bounds),
+        |caster| {
+            let solid = caster.solid && !caster.part.is_some_and(|part| opened.contains(part));
+            let mut place = |face: usize, corners: [([i32; 2], u32); 3]| {
+                let triangle = LatticeTriangle {
+                    x: corners.map(|c| c.0[0]),
+                    y: corners.map(|c| c.0[1]),
+                    z: corners.map(|c| c.1),
+                    solid,
+                };
+                each(face, &triangle, &caster);
+            };
+            match space {
+                LightSpace::Directional(space) => place(0, caster.corners.map(|c| space.snap(c))),
+                LightSpace::Local(_) if is_misplaced(&caster) => {}
+                LightSpace::Local(local) => {
+                    for face in 0..local.faces() {
+                        local.place(caster.corners, face, |corners| place(face, corners));
+                    }
+                }
+            }
+        },
+    );
+}
+
+/// What a face's construction starts from.
+#[derive(Clone, Debug, Default)]
+pub struct FaceCasters<'a> {
+    /// The casters.
+    pub triangles: Vec<BuildTriangle>,
+    /// What those of them refer to that are masked.
+    pub cutouts: Vec<Cutout<'a>>,
+}
+
+impl<'a> FaceCasters<'a> {
+    /// Adds a caster that was placed on a face's lattice.
+    pub fn insert(
+        &mut self,
+        triangle: &LatticeTriangle,
+        caster: &CasterTriangle<'a>,
+        space: &LightSpace,
+        slices: &Slices,
+        face: usize,
+    ) {
+        let Some(built) = BuildTriangle::new(triangle, slices) else { return };
+        let Some(masked) = &caster.masked else { return self.triangles.push(built) };
+        self.triangles.push(built.with_cutout(self.cutouts.len() as u32));
+        self.cutouts.push(cutout(masked, space.homogeneous(caster.corners, face)));
+    }
+}
+
+/// A masked caster's test on a face.
+fn cutout<'a>(masked: &MaskedTriangle<'a>, homogeneous: [DVec3; 3]) -> Cutout<'a> {
+    let test: AlphaTest<'a> = masked.test;
+    Cutout::new(test, &CutoutCorners { homogeneous, texcoords: masked.texcoords, alpha: masked.alpha })
 }

@@ -6,7 +6,7 @@ mod common;
 use antumbra::{Interior, ShadowFile};
 use antumbra_bake::light_space::Resolution;
 use antumbra_bake::{BakeError, BakeOptions, Baked, ResolutionRequest, Silent, bake};
-use antumbra_scene::{LightKind, Scene};
+use antumbra_scene::Scene;
 use common::{cuboid, options, scene, sun};
 use glam::{DAffine3, DVec3};
 
@@ -81,12 +81,26 @@ fn nothing_to_bake_is_an_error() {
 }
 
 #[test]
-fn what_this_version_lacks_is_said() {
+fn lamps_and_policies_of_impossible_sizes_are_refused() {
     let scene = placed(DAffine3::IDENTITY);
-    let lamp = antumbra_scene::Light { kind: LightKind::Point, ..sun(DOWN) };
-    let error = bake(&scene, &[lamp], &BakeOptions::default(), &Silent).unwrap_err();
-    assert_eq!(error, BakeError::LightKind("sun".into()));
-    for interior in [Interior::Thickness(0.1), Interior::Static(0.1)] {
+    let bake_lamp = |lamp: antumbra_scene::Light, near_m: Option<f64>| {
+        bake(&scene, &[lamp], &BakeOptions { near_m, ..options(Interior::Auto, 64, 1) }, &Silent)
+    };
+    let lamp = |range_m: f64| common::lamp([0.0, 2.0, 0.0], range_m);
+    assert!(bake_lamp(lamp(5.0), None).is_ok() && bake_lamp(lamp(5.0), Some(4.9)).is_ok());
+    for near_m in [0.0, -1.0, 5.0, 1e-9, f64::NAN, f64::INFINITY] {
+        assert!(matches!(bake_lamp(lamp(5.0), Some(near_m)), Err(BakeError::Near { .. })), "near {near_m}");
+    }
+    for range_m in [0.0, -2.0, f64::NAN, f64::INFINITY, 1e300] {
+        assert!(matches!(bake_lamp(lamp(range_m), None), Err(BakeError::LightPlace(_))), "range {range_m}");
+    }
+    for y in [f64::NAN, f64::INFINITY, 1e200] {
+        assert!(matches!(bake_lamp(common::lamp([0.0, y, 0.0], 5.0), None), Err(BakeError::LightPlace(_))), "at {y}");
+    }
+    let nowhere = common::spot([0.0; 3], [0.0, -1.0, 0.0], 30.0, 5.0);
+    let nowhere = antumbra_scene::Light { direction_world: DVec3::NAN, ..nowhere };
+    assert!(matches!(bake_lamp(nowhere, None), Err(BakeError::LightDirection(_))));
+    for interior in [Interior::Thickness(-0.1), Interior::Static(f64::NAN), Interior::Thickness(f64::INFINITY)] {
         let options = BakeOptions { interior, ..BakeOptions::default() };
         assert!(matches!(bake(&scene, &[sun(DOWN)], &options, &Silent), Err(BakeError::Interior(_))));
     }

@@ -5,18 +5,28 @@
 use antumbra::format::stat::BakeStats;
 use antumbra::format::write::{Contents, write};
 use antumbra::{LightRecord, ShadowFile};
-use antumbra_bake::columns::{Build, BuildTriangle, build};
+use antumbra_bake::columns::{Build, BuildTriangle, Freedom, build};
 use antumbra_bake::dag::{Tables, encode};
-use antumbra_bake::light_space::{LatticeTriangle, Resolution};
-use antumbra_bake::oracle::Oracle;
+use antumbra_bake::light_space::{LatticeTriangle, Resolution, Slices};
+use antumbra_bake::oracle::{Free, Oracle, View};
 use proptest::prelude::*;
 
 const SIDE: u32 = 64;
 
 fn bake_on_lattice(triangles: &[LatticeTriangle], resolution: Resolution) -> ShadowFile {
-    let built: Vec<_> = triangles.iter().filter_map(|t| BuildTriangle::new(t, resolution)).collect();
+    let slices = Slices::even(resolution);
+    let built: Vec<_> = triangles.iter().filter_map(|t| BuildTriangle::new(t, &slices)).collect();
     let tables = Tables::default();
-    let all = Build { triangles: &built, resolution, tables: &tables, memory_limit: u64::MAX, progress: &|_| {} };
+    let all = Build {
+        triangles: &built,
+        cutouts: &[],
+        slices: &slices,
+        freedom: &Freedom::None,
+        enters: None,
+        tables: &tables,
+        memory_limit: u64::MAX,
+        progress: &|_| {},
+    };
     let root = build(&all).unwrap();
     let encoded = encode(tables, &[(root, resolution.log2())], u64::MAX).unwrap();
     let mut record: LightRecord = bytemuck::Zeroable::zeroed();
@@ -32,7 +42,9 @@ fn check(triangles: &[LatticeTriangle]) -> Result<(), String> {
     let file = bake_on_lattice(triangles, resolution);
     antumbra::format::canonical::check(&file).map_err(|e| e.to_string())?;
     let light = file.lights().next().unwrap();
-    let oracle = Oracle::new(triangles, resolution);
+    let slice = |step: u32| step >> resolution.slice_shift();
+    let view = View { resolution, slice: &slice, keeps: &|_, _| true, free: Free::Nothing };
+    let oracle = Oracle::new(triangles, view);
     for i in 0..SIDE * SIDE {
         let (x, y) = (i % SIDE, i / SIDE);
         let interval = oracle.interval(x, y);

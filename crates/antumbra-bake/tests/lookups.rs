@@ -14,8 +14,10 @@ fn city() -> Scene {
     procedural::build("city", &procedural::Options { seed: 5, scale: 0.15 }).unwrap()
 }
 
-static BAKED: LazyLock<common::Checked> =
-    LazyLock::new(|| bake_for_check(&city(), &sun([0.5, -0.6, 0.3]), &options(Interior::Auto, 1024, 0)));
+static CITY: LazyLock<Scene> = LazyLock::new(city);
+
+static BAKED: LazyLock<common::Checked<'static>> =
+    LazyLock::new(|| bake_for_check(&CITY, &sun([0.5, -0.6, 0.3]), &options(Interior::Auto, 1024, 0)));
 
 /// A point on a directional light's only face.
 fn at(voxel: DVec3) -> FacePoint {

@@ -41,11 +41,12 @@ fn every_texel_under_an_upright_sun() {
 fn a_million_random_texels_at_16384() {
     for scene in scenes() {
         let checked = bake_for_check(&scene, &light(&scene), &options(Interior::Auto, 16384, 0));
-        let mut state = 0x9e37_79b9_7f4a_7c15u64;
-        let texels = (0..1_000_000).map(move |_| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            [(state >> 33) as u32 & 16383, (state >> 49) as u32 & 16383]
-        });
+        let texels = || {
+            (0..1_000_000).scan(0x9e37_79b9_7f4a_7c15u64, |state, _| {
+                *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                Some([(*state >> 33) as u32 & 16383, (*state >> 49) as u32 & 16383])
+            })
+        };
         check_texels(&checked, texels).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
     }
 }

@@ -14,7 +14,7 @@ pub struct CasterArgs {
     /// So do nodes with the glTF extras {"antumbra": "dynamic"}.
     #[arg(long, value_name = "NAME-GLOB")]
     pub exclude: Vec<String>,
-    /// Whether triangles of alphaMode BLEND cast (MASK casts as if opaque in this version)
+    /// Whether triangles of alphaMode BLEND cast (those of MASK cast where their texture is there)
     #[arg(long, value_enum, default_value_t = BlendArg::Skip)]
     pub blend: BlendArg,
     /// What closed parts are that are turned inside out and lie in no solid

@@ -35,46 +35,27 @@ pub fn put(scene: &mut Scene, light: Light) {
     }
 }
 
-/// The lights to bake, in the scene's order: those named and the added sun, or all directional ones. Says in
-/// `warnings` what was left out.
-pub fn choose(
-    scene: &mut Scene,
-    names: &[String],
-    sun: Option<SunAngles>,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<Light>> {
+/// The lights to bake, in the scene's order: those named and the added sun, or all there are.
+pub fn choose(scene: &mut Scene, names: &[String], sun: Option<SunAngles>) -> Result<Vec<Light>> {
     if let Some(angles) = sun {
         put(scene, directional(SUN, angles.direction_world()));
     }
     if !names.is_empty() {
         return named(&scene.lights, names, sun.is_some());
     }
-    let (chosen, local): (Vec<Light>, Vec<Light>) =
-        scene.lights.iter().cloned().partition(|light| light.kind == LightKind::Directional);
-    match (chosen.is_empty(), local.len()) {
-        (true, 0) => bail!("the scene has no light; add a directional one with --sun AZIMUTH,ELEVATION"),
-        (true, n) => bail!(
-            "the scene has no directional light but {n} spot and point light(s), which this version does not bake; \
-             add one with --sun AZIMUTH,ELEVATION"
-        ),
-        (false, 0) => {}
-        (false, n) => warnings
-            .push(format!("{n} spot and point light(s) are left out: this version bakes directional lights only")),
+    if scene.lights.is_empty() {
+        bail!("the scene has no light; add a directional one with --sun AZIMUTH,ELEVATION");
     }
-    Ok(chosen)
+    Ok(scene.lights.clone())
 }
 
 fn named(lights: &[Light], names: &[String], with_sun: bool) -> Result<Vec<Light>> {
     for name in names {
-        match lights.iter().find(|light| light.name == *name) {
-            None => bail!(
+        if !lights.iter().any(|light| light.name == *name) {
+            bail!(
                 "the scene has no light \"{name}\" to bake; it has: {}",
                 listed(lights.iter().map(|light| light.name.as_str()))
-            ),
-            Some(light) if light.kind != LightKind::Directional => {
-                bail!("--light \"{name}\" is a spot or point light: this version bakes directional lights only")
-            }
-            Some(_) => {}
+            );
         }
     }
     let wanted = |light: &&Light| names.contains(&light.name) || (with_sun && light.name == SUN);

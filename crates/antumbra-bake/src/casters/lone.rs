@@ -29,15 +29,16 @@ struct Shape {
     largest: ([DVec3; 3], f64),
 }
 
-/// Judges each part. Two passes over the triangles, the second only where there are inward parts.
-pub(crate) fn judge_places(scene: &Scene, casting: &[usize], parts: &Parts, blend: Blend) -> Vec<Place> {
+/// Judges each part, and gives its box. Two passes over the triangles, the second only where there are inward parts.
+pub(crate) fn judge_places(scene: &Scene, casting: &[usize], parts: &Parts, blend: Blend) -> (Vec<Place>, Vec<Bounds>) {
     let nothing = Shape { bounds: Bounds::EMPTY, volume: 0.0, anchor: DVec3::ZERO, largest: ([DVec3::ZERO; 3], -1.0) };
     let mut shapes = vec![nothing; parts.count];
     for_each_triangle(scene, casting, parts, blend, |part, corners| shapes[part].insert(corners));
     let inward: Vec<usize> = (0..parts.count).filter(|&p| shapes[p].volume < 0.0).collect();
     let mut places = vec![Place::Outward; parts.count];
+    let bounds: Vec<Bounds> = shapes.iter().map(|s| s.bounds).collect();
     if inward.is_empty() {
-        return places;
+        return (places, bounds);
     }
     let probes: Vec<DVec3> = inward.iter().map(|&p| shapes[p].probe_outside()).collect();
     let probes_in = probes_in_parts(&shapes, &inward, &probes);
@@ -50,7 +51,7 @@ pub(crate) fn judge_places(scene: &Scene, casting: &[usize], parts: &Parts, blen
     for (&part, winding) in inward.iter().zip(windings) {
         places[part] = if winding > 0 { Place::InSolid } else { Place::Lone };
     }
-    places
+    (places, bounds)
 }
 
 /// For each part, the probes of other parts that lie in its box: outside, its winding number is zero.

@@ -13,9 +13,12 @@
 mod closed;
 mod lone;
 pub mod occluder;
+mod starts;
 
-use antumbra_scene::{AlphaMode, Node, Primitive, Scene};
+use antumbra_scene::{AlphaMode, AlphaTest, Bounds, Node, Primitive, Scene};
 use glam::DVec3;
+
+pub use starts::OpenedParts;
 
 /// What a triangle is to the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,19 +97,39 @@ pub struct Casters<'a> {
     nodes: Vec<usize>,
     /// For each casting node, a verdict per triangle that [`casting_triangles`] gives.
     verdicts: Vec<Vec<Verdict>>,
+    /// World box of each casting node.
+    node_bounds: Vec<Bounds>,
+    parts: closed::Parts,
+    /// World box of each closed part.
+    part_bounds: Vec<Bounds>,
     /// What was found.
     pub counts: CasterCounts,
 }
 
 /// A casting triangle in the world, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug)]
-pub struct CasterTriangle {
+pub struct CasterTriangle<'a> {
     /// Corners, world metres.
     pub corners: [DVec3; 3],
     /// Index of its node in the scene.
     pub node: usize,
     /// Whether it bounds a solid.
     pub solid: bool,
+    /// The closed part that it belongs to.
+    pub part: Option<u32>,
+    /// Its alpha mask, if it has one to be tested.
+    pub masked: Option<MaskedTriangle<'a>>,
+}
+
+/// What a masked triangle's alpha test needs.
+#[derive(Clone, Copy, Debug)]
+pub struct MaskedTriangle<'a> {
+    /// The test.
+    pub test: AlphaTest<'a>,
+    /// Texture coordinates of the corners, in their order.
+    pub texcoords: [[f64; 2]; 3],
+    /// Vertex alpha of the corners, 1 where there is none.
+    pub alpha: [f64; 3],
 }
 
 impl<'a> Casters<'a> {
@@ -124,7 +147,7 @@ impl<'a> Casters<'a> {
         } else {
             closed::Parts::none()
         };
-        let places = lone::judge_places(scene, &nodes, &parts, blend);
+        let (places, part_bounds) = lone::judge_places(scene, &nodes, &parts, blend);
         let verdict_of_part = |part: u32| match (places[part as usize], options.inverted) {
             (lone::Place::Outward | lone::Place::InSolid, _) => Verdict::Solid,
             (lone::Place::Lone, Inverted::Open) => Verdict::Open,
@@ -144,24 +167,39 @@ impl<'a> Casters<'a> {
             verdicts.push(judged.collect());
         }
         counts.left_out = scene.triangle_count() - counts.open - counts.closed;
-        Ok(Self { scene, blend, nodes, verdicts, counts })
+        let node_bounds = nodes.iter().map(|&n| node_bounds(&scene.nodes[n], scene)).collect();
+        Ok(Self { scene, blend, nodes, verdicts, node_bounds, parts, part_bounds, counts })
     }
 
     /// Calls `each` with every casting triangle, in the scene's order. Seams take part only where they bound solids.
-    pub fn for_each(&self, mut each: impl FnMut(CasterTriangle)) {
-        for (&index, verdicts) in self.nodes.iter().zip(&self.verdicts) {
+    pub fn for_each(&self, each: impl FnMut(CasterTriangle<'a>)) {
+        self.for_each_in(|_| true, each);
+    }
+
+    /// The same for nodes whose world box `wants` only.
+    pub fn for_each_in(&self, wants: impl Fn(&Bounds) -> bool, mut each: impl FnMut(CasterTriangle<'a>)) {
+        for (caster_node, (&index, verdicts)) in self.nodes.iter().zip(&self.verdicts).enumerate() {
+            if !wants(&self.node_bounds[caster_node]) {
+                continue;
+            }
             let node = &self.scene.nodes[index];
             let mirrors = node.mirrors();
-            for (triangle, &verdict) in casting_triangles(self.scene, index, self.blend).zip(verdicts) {
+            let triangles = casting_triangles(self.scene, index, self.blend).zip(verdicts).enumerate();
+            for (i, (triangle, &verdict)) in triangles {
                 let solid = verdict != Verdict::Open;
                 if triangle.seam && !solid {
                     continue;
                 }
-                let mut corners = triangle.corners().map(|p| node.world_point(p));
-                if mirrors != (verdict == Verdict::TurnedSolid) {
-                    corners.swap(1, 2);
-                }
-                each(CasterTriangle { corners, node: index, solid });
+                let swapped = mirrors != (verdict == Verdict::TurnedSolid);
+                let order = if swapped { [0, 2, 1] } else { [0, 1, 2] };
+                let corners = triangle.corners().map(|p| node.world_point(p));
+                each(CasterTriangle {
+                    corners: order.map(|i| corners[i]),
+                    node: index,
+                    solid,
+                    part: if solid { self.parts.of(caster_node, i) } else { None },
+                    masked: triangle.masked(self.scene, order),
+                });
             }
         }
     }
@@ -176,6 +214,17 @@ impl<'a> Casters<'a> {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// World box of all casting nodes.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        let mut all = Bounds::EMPTY;
+        for bounds in self.node_bounds.iter().filter(|b| !b.is_empty()) {
+            all.insert(bounds.min);
+            all.insert(bounds.max);
+        }
+        all
     }
 
     /// The scene that the casters belong to.
@@ -208,10 +257,29 @@ pub(crate) struct MeshTriangle<'a> {
     pub alpha_masked: bool,
 }
 
-impl MeshTriangle<'_> {
+impl<'a> MeshTriangle<'a> {
     pub fn corners(&self) -> [[f32; 3]; 3] {
         self.indices.map(|i| self.primitive.positions[i as usize])
     }
+
+    /// Its alpha mask, with the corners in the given order.
+    fn masked(&self, scene: &'a Scene, order: [usize; 3]) -> Option<MaskedTriangle<'a>> {
+        let test = if self.alpha_masked { AlphaTest::new(scene, self.primitive)? } else { return None };
+        let vertices = order.map(|i| self.indices[i] as usize);
+        let alpha = |v: usize| self.primitive.colors.get(v).map_or(1.0, |c| f64::from(c[3]));
+        let texcoords = vertices.map(|v| self.primitive.texcoords[v].map(f64::from));
+        Some(MaskedTriangle { test, texcoords, alpha: vertices.map(alpha) })
+    }
+}
+
+fn node_bounds(node: &Node, scene: &Scene) -> Bounds {
+    let mut bounds = Bounds::EMPTY;
+    for primitive in &scene.meshes[node.mesh].primitives {
+        for &i in primitive.triangles.iter().chain(&primitive.seams).flatten() {
+            bounds.insert(node.world_point(primitive.positions[i as usize]));
+        }
+    }
+    bounds
 }
 
 /// A node's triangles that cast, in the mesh's order: each primitive's triangles, then its seams.

@@ -5,12 +5,13 @@
 //! whose depth intervals overlap: clusters follow one another along every ray alike, so a cluster of one triangle is
 //! met by whole masks of rays, and only larger ones are sorted ray by ray.
 
+use super::build::Build;
 use super::column::{ColumnWriter, Run, multiples, roundest};
+use super::freedom::Freedom;
 use super::plane::PlaneMemo;
 use super::tile::{COVERS, ENTERS, EXITS, Entry, SOLID, Tile};
 use super::triangle::BuildTriangle;
 use crate::dag::{Id, LIT, SHADOWED, Tables};
-use crate::light_space::Resolution;
 
 /// log2 of a leaf's texels per side.
 pub(super) const LEAF_LOG2: u32 = 3;
@@ -54,20 +55,22 @@ struct Rays {
     enter: [u32; TEXELS],
     /// First slice that must be shadowed.
     exit: [u32; TEXELS],
+    /// Slice of the second surface, where that counts.
+    second: [u32; TEXELS],
     /// First slice behind the entering surface's deepest point in the whole texel.
     deepest: [u32; TEXELS],
     winding: [i32; TEXELS],
-    /// Rays that have met nothing, and rays inside a solid that they met first. The others are done.
+    /// Rays that have met nothing, rays inside a solid that they met first, and rays that look for their second surface.
+    /// The others are done.
     outside: u64,
     inside: u64,
+    seeking: u64,
 }
 
 /// A leaf and its surroundings.
 #[derive(Clone, Copy)]
 pub(super) struct Leaf<'a> {
-    pub triangles: &'a [BuildTriangle],
-    pub tables: &'a Tables,
-    pub resolution: Resolution,
+    pub build: &'a Build<'a>,
     pub tile: Tile,
     /// See [`super::settle`].
     pub clamp: u32,
@@ -76,10 +79,11 @@ pub(super) struct Leaf<'a> {
 impl LeafScratch {
     /// Appends the leaf's column of 8 x 8 x 8 blocks. `entries` are sorted by their first slices.
     pub fn push_column(&mut self, leaf: Leaf<'_>, entries: &[Entry], runs: &mut Vec<Run>) {
-        let blocks = leaf.resolution.texels() >> LEAF_LOG2;
+        let blocks = leaf.build.resolution().texels() >> LEAF_LOG2;
         let Some(remembered) = PlaneMemo::recognise(&leaf, entries) else {
             return self.make_column(leaf, entries, blocks, runs);
         };
+        leaf.record_enters(remembered.enters());
         let mut planes = std::mem::take(&mut self.planes);
         planes.push_column(remembered, blocks, runs, |runs| self.make_column(leaf, entries, blocks, runs));
         self.planes = planes;
@@ -87,14 +91,14 @@ impl LeafScratch {
 
     fn make_column(&mut self, leaf: Leaf<'_>, entries: &[Entry], blocks: u32, runs: &mut Vec<Run>) {
         let rays = self.solve(leaf, entries);
-        self.stab(&rays, leaf.resolution.texels());
-        push_blocks(&self.transitions, blocks, leaf.tables, runs);
+        self.stab(&rays, leaf.build.resolution().texels());
+        push_blocks(&self.transitions, blocks, leaf.build.tables, runs);
     }
 
     fn solve(&mut self, leaf: Leaf<'_>, entries: &[Entry]) -> Rays {
         let mut rays = Rays::new();
         let mut rest = entries;
-        while !rest.is_empty() && (rays.outside | rays.inside) != 0 {
+        while !rest.is_empty() && rays.open() != 0 {
             let (cluster, later) = rest.split_at(cluster_length(rest));
             match cluster {
                 [entry] => rays.meet_one(leaf, *entry),
@@ -102,7 +106,11 @@ impl LeafScratch {
             }
             rest = later;
         }
-        rays.finish(leaf.clamp);
+        if leaf.build.enters.is_some() {
+            let (least, greatest) = rays.enter.iter().fold((NEVER, 0), |(l, g), &e| (l.min(e), g.max(e)));
+            leaf.record_enters([least, greatest]);
+        }
+        rays.finish(leaf);
         rays
     }
 
@@ -111,8 +119,8 @@ impl LeafScratch {
         let mut counts = [0u32; TEXELS];
         let mut touched = 0;
         for entry in cluster {
-            let triangle = &leaf.triangles[entry.triangle as usize];
-            let covered = leaf.coverage(triangle, *entry) & (rays.outside | rays.inside);
+            let triangle = &leaf.build.triangles[entry.triangle as usize];
+            let covered = leaf.coverage(triangle, *entry, rays.open());
             touched |= covered;
             leaf.for_each_crossing(triangle, covered, rays.outside, |texel, crossing| {
                 let row = counts[texel] as usize;
@@ -128,8 +136,8 @@ impl LeafScratch {
             self.along_ray.extend(self.crossings[..counts[texel] as usize].iter().map(|row| row[texel]));
             self.along_ray.sort_unstable();
             for same_slice in self.along_ray.chunk_by(|a, b| a.slice == b.slice) {
-                if ((rays.outside | rays.inside) >> texel) & 1 != 0 {
-                    rays.meet_slice(texel, same_slice);
+                if (rays.open() >> texel) & 1 != 0 {
+                    rays.meet_slice(texel, same_slice, leaf.build.freedom);
                 }
             }
         });
@@ -175,18 +183,26 @@ impl Rays {
         Self {
             enter: [NEVER; TEXELS],
             exit: [NEVER; TEXELS],
+            second: [NEVER; TEXELS],
             deepest: [0; TEXELS],
             winding: [0; TEXELS],
             outside: u64::MAX,
             inside: 0,
+            seeking: 0,
         }
+    }
+
+    /// Rays for which further triangles matter.
+    #[inline(always)]
+    fn open(&self) -> u64 {
+        self.outside | self.inside | self.seeking
     }
 
     /// Meets a triangle that lies alone in its depth interval.
     fn meet_one(&mut self, leaf: Leaf<'_>, entry: Entry) {
-        let triangle = &leaf.triangles[entry.triangle as usize];
-        let covered = leaf.coverage(triangle, entry) & (self.outside | self.inside);
-        if self.outside & covered == 0 {
+        let triangle = &leaf.build.triangles[entry.triangle as usize];
+        let covered = leaf.coverage(triangle, entry, self.open());
+        if (self.outside | self.seeking) & covered == 0 {
             // Only counts change, but where the last solid is left.
             let leaving = if entry.has(SOLID) { self.count(covered, triangle.winding()) } else { 0 };
             leaf.for_each_crossing(triangle, leaving, 0, |texel, crossing| {
@@ -194,7 +210,9 @@ impl Rays {
             });
         } else {
             let outside = self.outside;
-            leaf.for_each_crossing(triangle, covered, outside, |texel, crossing| self.meet_slice(texel, &[crossing]));
+            leaf.for_each_crossing(triangle, covered, outside, |texel, crossing| {
+                self.meet_slice(texel, &[crossing], leaf.build.freedom);
+            });
         }
     }
 
@@ -211,7 +229,7 @@ impl Rays {
     /// Meets all that a ray meets within one slice. Within a slice entries come before exits, so touching solids leave
     /// no slit: only the sum counts.
     #[inline]
-    fn meet_slice(&mut self, texel: usize, crossings: &[Crossing]) {
+    fn meet_slice(&mut self, texel: usize, crossings: &[Crossing], freedom: &Freedom) {
         let slice = crossings[0].slice;
         let bit = 1 << texel;
         let winding = &mut self.winding[texel];
@@ -221,25 +239,40 @@ impl Rays {
             self.inside |= bit;
             self.enter[texel] = slice + 1;
             self.deepest[texel] = crossings.iter().map(|c| c.deepest).max().map_or(0, |d| d.saturating_add(1));
+            self.seeking |= if freedom.is_static() { bit } else { 0 };
+        } else if self.seeking & bit != 0 {
+            self.seeking &= !bit;
+            self.second[texel] = slice;
         }
-        if *winding <= 0 {
+        if self.inside & bit != 0 && *winding <= 0 {
             self.leave(texel, slice);
         }
     }
 
-    /// Ends a ray's freedom at a slice: the ray is done. What lies between enter and exit is the interval of every policy.
+    /// Ends a ray's freedom inside a solid at a slice.
     #[inline(always)]
     fn leave(&mut self, texel: usize, slice: u32) {
         self.inside &= !(1 << texel);
         self.exit[texel] = slice.max(self.enter[texel]);
     }
 
-    /// Rays still inside a solid leave it no earlier than at the clamp; and where there is slack, the whole texel's lit
+    /// Rays still inside a solid leave it no earlier than at the clamp, and what they would meet next lies no nearer. What
+    /// then lies between enter and exit is the interval of every policy. Where there is slack, the whole texel's lit
     /// surface is left lit: shadows without acne and without bias.
-    fn finish(&mut self, clamp: u32) {
+    fn finish(&mut self, Leaf { build, clamp, .. }: Leaf<'_>) {
+        let freedom = build.freedom;
+        // Surfaces behind the last slice do not count; nothing was dropped where the clamp lies there.
+        let slices = build.resolution().texels();
+        let second = |texel: usize| match self.second[texel].min(clamp) {
+            behind if behind >= slices => NEVER,
+            second => second,
+        };
         for texel in 0..TEXELS {
             let enter = self.enter[texel];
-            let exit = self.exit[texel].min(clamp.max(enter));
+            let mut exit = self.exit[texel].min(clamp.max(enter));
+            if freedom.is_behind_open() && enter != NEVER {
+                exit = exit.max(freedom.exit(enter, second(texel)));
+            }
             self.exit[texel] = exit;
             if (enter..=exit).contains(&self.deepest[texel]) {
                 self.enter[texel] = self.deepest[texel];
@@ -259,7 +292,14 @@ fn for_each_bit(mut bits: u64, mut each: impl FnMut(usize)) {
 impl Leaf<'_> {
     #[inline(always)]
     pub fn first_center(&self) -> [i64; 2] {
-        [self.resolution.texel_center(self.tile.x), self.resolution.texel_center(self.tile.y)]
+        let resolution = self.build.resolution();
+        [resolution.texel_center(self.tile.x), resolution.texel_center(self.tile.y)]
+    }
+
+    fn record_enters(&self, span: [u32; 2]) {
+        if let Some(grid) = self.build.enters {
+            grid.insert(self.tile, span);
+        }
     }
 
     /// Calls `each` with the crossings of the rays in `covered`, all of which the triangle covers.
@@ -271,30 +311,39 @@ impl Leaf<'_> {
         outside: u64,
         mut each: impl FnMut(usize, Crossing),
     ) {
-        let (first, resolution) = (self.first_center(), self.resolution);
+        let (first, slices) = (self.first_center(), self.build.slices);
         let winding = triangle.winding();
-        let enters = winding > 0 && covered & outside != 0;
+        let enters = (winding > 0 || self.build.freedom.is_behind_open()) && covered & outside != 0;
         if covered.count_ones() < FEW_RAYS {
             for_each_bit(covered, |texel| {
-                let slice = triangle.leaf_slice(first, texel, resolution);
-                let deepest = if enters { triangle.leaf_deepest_at(first, texel, resolution) } else { 0 };
+                let slice = triangle.leaf_slice(first, texel, slices);
+                let deepest = if enters { triangle.leaf_deepest_at(first, texel, slices) } else { 0 };
                 each(texel, Crossing { slice, deepest, winding });
             });
         } else if enters {
-            let slices = triangle.leaf_slices(first, covered, resolution);
-            let deepest = triangle.leaf_deepest(first, resolution);
+            let of_texel = triangle.leaf_slices(first, covered, slices);
+            let deepest = triangle.leaf_deepest(first, covered, slices);
             for_each_bit(covered, |texel| {
-                each(texel, Crossing { slice: slices[texel], deepest: deepest[texel], winding });
+                each(texel, Crossing { slice: of_texel[texel], deepest: deepest[texel], winding });
             });
         } else {
-            let slices = triangle.leaf_slices(first, covered, resolution);
-            for_each_bit(covered, |texel| each(texel, Crossing { slice: slices[texel], deepest: 0, winding }));
+            let of_texel = triangle.leaf_slices(first, covered, slices);
+            for_each_bit(covered, |texel| each(texel, Crossing { slice: of_texel[texel], deepest: 0, winding }));
         }
     }
 
-    /// Bit 8*y + x is set where the triangle covers the texel's centre.
+    /// Bit 8*y + x is set where the triangle covers the texel's centre, is there, and the texel is one of those `wanted`.
     #[inline]
-    fn coverage(&self, triangle: &BuildTriangle, entry: Entry) -> u64 {
+    fn coverage(&self, triangle: &BuildTriangle, entry: Entry, wanted: u64) -> u64 {
+        let covered = self.covered_centers(triangle, entry) & wanted;
+        match triangle.cutout() {
+            None => covered,
+            Some(cutout) => self.build.cutouts[cutout].kept(self.first_center(), covered, self.build.resolution()),
+        }
+    }
+
+    #[inline]
+    fn covered_centers(&self, triangle: &BuildTriangle, entry: Entry) -> u64 {
         if entry.has(COVERS) {
             return u64::MAX;
         }
@@ -302,7 +351,7 @@ impl Leaf<'_> {
             return 0;
         }
         let first = self.first_center();
-        let steps = self.resolution.texel_steps();
+        let steps = self.build.resolution().texel_steps();
         let mut covered = u64::MAX;
         for i in 0..3 {
             let edge = triangle.edge(i);

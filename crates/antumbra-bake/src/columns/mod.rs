@@ -2,7 +2,7 @@
 //!
 //! A shadow-map tile's whole depth range is one run-length-encoded *column* of blocks as wide as the tile. The builder
 //! recurses over a quadtree of tiles, each with the triangles that touch it (`tile`). Where a plane of constant depth
-//! answers for a whole tile, the recursion ends (`settle`). At 8 x 8 texels it solves each ray exactly (`leaf`) and
+//! answers for a whole tile, the recursion ends (`settle`), by what a policy leaves free (`freedom`, `mates`). At 8 x 8 texels it solves each ray exactly (`leaf`) and
 //! stabs the rays' intervals by the closest exit. Four columns merge into their parent's by walking run boundaries
 //! (`column`); a run of identical blocks of any length costs one look-up in a table, so identical nodes are never
 //! made twice.
@@ -13,11 +13,18 @@
 
 mod build;
 mod column;
+mod cutout;
+mod enters;
+mod freedom;
 mod leaf;
+mod mates;
 mod plane;
 mod settle;
 mod tile;
 mod triangle;
 
 pub use build::{Build, BuildError, build};
+pub use cutout::{Cutout, CutoutCorners};
+pub use enters::EnterGrid;
+pub use freedom::{Freedom, Shift};
 pub use triangle::BuildTriangle;

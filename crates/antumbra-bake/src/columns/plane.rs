@@ -29,28 +29,38 @@ pub(super) struct Remembered {
     pattern: Pattern,
     /// Block from which the pattern counts.
     block: u32,
+    nearest: u32,
+    farthest: u32,
+}
+
+impl Remembered {
+    /// Least and greatest first shadowed slice.
+    pub fn enters(&self) -> [u32; 2] {
+        [self.nearest + 1, self.farthest + 1]
+    }
 }
 
 impl PlaneMemo {
-    /// The leaf's pattern, if one open triangle covers it, is not too steep and stays off the first and last blocks.
+    /// The leaf's pattern, if one open triangle covers it, is not too steep and stays off the first and last blocks. Only
+    /// where rays have no freedom behind it.
     pub fn recognise(leaf: &Leaf<'_>, entries: &[Entry]) -> Option<Remembered> {
         let [entry] = entries else { return None };
-        if !entry.has(COVERS) || entry.has(SOLID) {
+        if !entry.has(COVERS) || entry.has(SOLID) || leaf.build.freedom.is_behind_open() {
             return None;
         }
-        let triangle = &leaf.triangles[entry.triangle as usize];
-        let slices = triangle.leaf_slices(leaf.first_center(), u64::MAX, leaf.resolution);
+        let triangle = &leaf.build.triangles[entry.triangle as usize];
+        let slices = triangle.leaf_slices(leaf.first_center(), u64::MAX, leaf.build.slices);
         let (nearest, farthest) = slices.iter().fold((u32::MAX, 0), |(n, f), &s| (n.min(s), f.max(s)));
         let block = (nearest + 1) >> LEAF_LOG2;
         let start = block << LEAF_LOG2;
-        if block == 0 || farthest + 1 >= start + SPAN || start + SPAN >= leaf.resolution.texels() {
+        if block == 0 || farthest + 1 >= start + SPAN || start + SPAN >= leaf.build.resolution().texels() {
             return None;
         }
         let mut pattern = [0; 4];
         for (i, slice) in slices.iter().enumerate() {
             pattern[i >> 4] |= u64::from(slice + 1 - start) << (4 * (i & 15));
         }
-        Some(Remembered { pattern, block })
+        Some(Remembered { pattern, block, nearest, farthest })
     }
 
     /// Appends the leaf's column; `make` makes it where the pattern is new.
@@ -61,7 +71,7 @@ impl PlaneMemo {
         runs: &mut Vec<Run>,
         make: impl FnOnce(&mut Vec<Run>),
     ) {
-        let Remembered { pattern, block } = leaf;
+        let Remembered { pattern, block, .. } = leaf;
         if let Some(column) = self.columns.get(&pattern) {
             return runs.extend(column.iter().map(|run| moved(*run, blocks, |end| end + block)));
         }

@@ -1,47 +1,118 @@
 //! What a tile's list says about the tile as a whole: lit, one plane of constant depth, or more to look at.
 
-use super::tile::{COVERS, EXITS, Entry, SOLID};
+use super::freedom::Freedom;
+use super::mates::Mates;
+use super::tile::{COVERS, EXITS, Entry, SOLID, Tile};
+use super::triangle::BuildTriangle;
+use crate::light_space::Resolution;
 
 /// A tile as its list leaves it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Settled {
     /// No caster before the clamp.
     Lit,
-    /// Any depth from `enter` to `exit` is right for every texel.
-    Plane { enter: u32, exit: u32 },
-    /// Texels differ. Every texel is in shadow at slice `clamp` and need not enter it later, unless `clamp` lies behind
-    /// the last slice.
+    /// Any depth from `enter` to `exit` is right for every texel; none is first shadowed before `least`.
+    Plane { least: u32, enter: u32, exit: u32 },
+    /// Texels differ. Every texel is in shadow at slice `clamp` and need not leave a solid later, unless `clamp` lies
+    /// behind the last slice; what was dropped lies no nearer than it.
     Mixed { clamp: u32 },
 }
 
 /// Longer lists are not sorted, and so not resolved: tiles that large are never one plane.
 const LONGEST_SORTED: usize = 512;
 
-/// Judges a tile and drops from its list what its texels cannot see. What remains is sorted, at leaves in any case.
-///
-/// `clamp` is a slice from the parent with all its texels inside a solid or behind a surface: a texel's first shadowed
-/// slice is never behind it, so exits count as no later.
-pub(super) fn settle(entries: &mut Vec<Entry>, is_leaf: bool, clamp: u32) -> Settled {
-    if entries.is_empty() {
-        return Settled::Lit;
-    }
-    // Behind an open triangle that covers the whole tile nothing can be a first surface.
-    let covering = entries.iter().filter(|e| e.has(COVERS) && !e.has(SOLID));
-    let mut clamp = covering.map(|e| e.last + 1).min().map_or(clamp, |c| c.min(clamp));
-    entries.retain(|e| e.first < clamp);
-    if entries.len() > LONGEST_SORTED && !is_leaf {
-        return Settled::Mixed { clamp };
-    }
-    entries.sort_unstable_by_key(|e| (u64::from(e.first) << 32) | u64::from(e.triangle));
-    match first_inner_gap(entries, clamp) {
-        Gap::None => {}
-        Gap::Plane { enter, exit } => return Settled::Plane { enter, exit },
-        Gap::Behind { end } => {
-            clamp = clamp.min(end);
-            entries.truncate(entries.partition_point(|e| e.first < clamp));
+/// What tiles are settled by.
+#[derive(Clone, Copy)]
+pub(super) struct Rules<'a> {
+    pub triangles: &'a [BuildTriangle],
+    pub resolution: Resolution,
+    pub freedom: &'a Freedom,
+}
+
+impl Rules<'_> {
+    /// Judges a tile and drops from its list what its texels cannot see. What remains is sorted, at leaves in any case.
+    ///
+    /// `clamp` is a slice from the parent with all its texels inside a solid or behind a surface: a texel's first shadowed
+    /// slice is never behind it, so exits from solids count as no later.
+    pub fn settle(&self, tile: Tile, entries: &mut Vec<Entry>, is_leaf: bool, clamp: u32) -> Settled {
+        if entries.is_empty() {
+            return Settled::Lit;
         }
+        let mut clamp = self.hidden_behind(entries).min(clamp);
+        entries.retain(|e| e.first < clamp);
+        if entries.len() > LONGEST_SORTED && !is_leaf {
+            return Settled::Mixed { clamp };
+        }
+        entries.sort_unstable_by_key(|e| (u64::from(e.first) << 32) | u64::from(e.triangle));
+        let Some(nearest) = entries.first() else { return Settled::Lit };
+        let least = nearest.first + 1;
+        match first_inner_gap(entries, clamp) {
+            Gap::None => {}
+            Gap::Plane { enter, exit } => return Settled::Plane { least, enter, exit },
+            Gap::Behind { end } => {
+                clamp = clamp.min(end);
+                entries.truncate(entries.partition_point(|e| e.first < clamp));
+            }
+        }
+        let free = match self.freedom {
+            Freedom::None => None,
+            Freedom::Thickness(_) => self.behind_cover(entries, least),
+            Freedom::Static(_) => self.before_second(tile, entries, clamp),
+        };
+        let plane = free.filter(|[enter, exit]| enter <= exit);
+        plane.map_or(Settled::Mixed { clamp }, |[enter, exit]| Settled::Plane { least, enter, exit })
     }
-    Settled::Mixed { clamp }
+
+    /// A slice from which on nothing matters: behind an open triangle that covers the whole tile nothing can be a first
+    /// surface. Where second surfaces matter, it takes two triangles, the one wholly behind the other.
+    fn hidden_behind(&self, entries: &[Entry]) -> u32 {
+        let covering = || entries.iter().filter(|e| e.has(COVERS));
+        let behind = if self.freedom.is_static() {
+            let first = covering().map(|e| e.last).min();
+            first.and_then(|first| covering().filter(|e| e.first > first).map(|e| e.last).min())
+        } else {
+            covering().filter(|e| !e.has(SOLID)).map(|e| e.last).min()
+        };
+        behind.map_or(u32::MAX, |last| last + 1)
+    }
+
+    /// The depths that suit all rays where each is free for a length behind its first surface, and some triangle covers
+    /// them all.
+    fn behind_cover(&self, entries: &[Entry], least: u32) -> Option<[u32; 2]> {
+        let cover = entries.iter().filter(|e| e.has(COVERS)).map(|e| e.last).min()?;
+        Some([cover + 1, self.freedom.exit(least, u32::MAX)])
+    }
+
+    /// The depths that suit all rays where each is free up to its second surface: between the triangles before a gap, of
+    /// which every ray meets exactly one, and those behind it.
+    fn before_second(&self, tile: Tile, entries: &[Entry], clamp: u32) -> Option<[u32; 2]> {
+        let mut before = Mates::new(self.triangles, tile, self.resolution);
+        let mut last = 0;
+        for (i, entry) in entries.iter().enumerate() {
+            before.insert(entry);
+            last = last.max(entry.last);
+            let next = entries.get(i + 1);
+            if next.is_some_and(|next| next.first <= last) {
+                continue;
+            }
+            if !before.is_of_use() {
+                return None;
+            }
+            match before.count() {
+                Some(1) => {
+                    // What was dropped lies behind the clamp.
+                    let second = next.map_or(clamp, |next| next.first.min(clamp));
+                    let is_last = next.is_none() && clamp >= self.resolution.texels();
+                    // A ray that enters early may be free no farther than the margin says.
+                    let exit = if is_last { u32::MAX } else { self.freedom.exit(0, second) };
+                    return (last < second).then_some([last + 1, exit]);
+                }
+                Some(0) | None => {}
+                Some(_) => return None,
+            }
+        }
+        None
+    }
 }
 
 enum Gap {

@@ -1,7 +1,7 @@
 //! Tiles of a quadtree over the shadow map, and which triangles touch them.
 
 use super::triangle::{BuildTriangle, ROUNDING};
-use crate::light_space::Resolution;
+use crate::light_space::{Resolution, Slices};
 
 /// A square of 2^log2 texels per side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +46,8 @@ pub(super) const SOLID: u32 = 4;
 pub(super) const ENTERS: u32 = 8;
 /// Bounds a solid that rays leave through it.
 pub(super) const EXITS: u32 = 16;
+/// There only where its cutout keeps it: it may miss any texel.
+pub(super) const CUTOUT: u32 = 32;
 
 impl Entry {
     /// Whether all of the given flags are set.
@@ -62,7 +64,7 @@ impl Entry {
 }
 
 /// A tile's four children on the lattice, ready to be held against many triangles.
-pub(super) struct Split {
+pub(super) struct Split<'a> {
     /// First texel centre of child 0; the others' lie `step` further along x, y or both.
     first: [i64; 2],
     step: i64,
@@ -70,16 +72,12 @@ pub(super) struct Split {
     side: i64,
     /// Middle of child 0.
     middle: [f64; 2],
-    slices_per_step: f64,
-    shift: u32,
-    max_slice: f64,
+    slices: &'a Slices,
 }
 
-/// Depth intervals are widened by this many slices, so that rounding opens no gap between neighbours.
-const WIDEN_SLICES: f64 = 1.0 / 256.0;
-
-impl Split {
-    pub fn new(parent: Tile, resolution: Resolution) -> Self {
+impl<'a> Split<'a> {
+    pub fn new(parent: Tile, slices: &'a Slices) -> Self {
+        let resolution = slices.resolution();
         let texel = resolution.texel_steps();
         let step = texel << (parent.log2 - 1);
         let first = [resolution.texel_center(parent.x), resolution.texel_center(parent.y)];
@@ -89,9 +87,7 @@ impl Split {
             step,
             side,
             middle: [first[0] as f64 + 0.5 * side as f64, first[1] as f64 + 0.5 * side as f64],
-            slices_per_step: resolution.slices_per_step(),
-            shift: resolution.slice_shift(),
-            max_slice: f64::from(resolution.texels()),
+            slices,
         }
     }
 
@@ -105,7 +101,7 @@ impl Split {
         let depths = self.depths(triangle);
         for (child, coverage) in coverage.into_iter().enumerate() {
             if let Some(coverage) = coverage {
-                let (first, last) = depths.of_child(child);
+                let (first, last) = depths.of_child(child, self.slices);
                 let flags = (parent.flags & !(COVERS | COVERS_FIRST)) | coverage;
                 let (first, last) = (first.max(parent.first), last.min(parent.last));
                 keep(child, Entry { triangle: parent.triangle, flags, first, last });
@@ -124,7 +120,7 @@ impl Split {
             touches(begin) | (touches(begin + self.step) << 1)
         };
         let (columns, rows) = (halves(t.x, 0), halves(t.y, 1));
-        let whole = if t.is_edge_on() { 0 } else { COVERS | COVERS_FIRST };
+        let whole = if t.is_edge_on() || t.cutout().is_some() { 0 } else { COVERS | COVERS_FIRST };
         let mut coverage = [None; 4];
         if columns == 0 || rows == 0 {
             return coverage;
@@ -159,24 +155,21 @@ impl Split {
 
     #[inline(always)]
     fn depths(&self, t: &BuildTriangle) -> Depths {
-        let near = t.z[0].min(t.z[1]).min(t.z[2]) >> self.shift;
-        let far = t.z[0].max(t.z[1]).max(t.z[2]) >> self.shift;
         if t.is_edge_on() {
-            return Depths { at_middle: 0.0, step: [0.0; 2], low: 0.0, high: self.max_slice, near, far };
+            // All that its corners allow.
+            return Depths { at_middle: 0.0, step: [0.0; 2], low: 0.0, high: self.slices.end_units() };
         }
         let [sx, sy] = [t.slope[0].abs(), t.slope[1].abs()];
         let step = self.step as f64;
         let reach =
             [(self.middle[0] - f64::from(t.x[0])).abs() + step, (self.middle[1] - f64::from(t.y[0])).abs() + step];
-        let widen = WIDEN_SLICES + (reach[0] * sx + reach[1] * sy) * ROUNDING;
+        let widen = self.slices.widening() + (reach[0] * sx + reach[1] * sy) * ROUNDING;
         let steepness = 0.5 * (sx + sy);
         Depths {
-            at_middle: t.depth(self.middle, self.slices_per_step),
+            at_middle: t.depth(self.middle, self.slices.units_per_step()),
             step: [t.slope[0] * step, t.slope[1] * step],
             low: steepness * self.side as f64 + widen,
             high: steepness * step + widen,
-            near,
-            far,
         }
     }
 }
@@ -190,33 +183,29 @@ struct EdgeInChildren {
     threshold: i64,
 }
 
-/// A triangle's plane over the four children.
+/// A triangle's plane over the four children, in depth units.
 struct Depths {
     at_middle: f64,
     step: [f64; 2],
     /// How far the plane may lie before and behind its depth at a child's middle.
     low: f64,
     high: f64,
-    /// The corners' own least and greatest slice.
-    near: u32,
-    far: u32,
 }
 
 impl Depths {
-    /// Conservative first and last slice in a child: see [`Entry`].
+    /// Conservative first and last slice in a child, the corners' own apart: see [`Entry`].
     #[inline(always)]
-    fn of_child(&self, child: usize) -> (u32, u32) {
+    fn of_child(&self, child: usize, slices: &Slices) -> (u32, u32) {
         let mut depth = self.at_middle;
         depth += if child & 1 != 0 { self.step[0] } else { 0.0 };
         depth += if child & 2 != 0 { self.step[1] } else { 0.0 };
-        // Casts of numbers saturate, and round down where positive.
-        let (low, high) = ((depth - self.low) as u32, (depth + self.high) as u32);
-        (low.max(self.near), high.min(self.far))
+        (slices.of_units(depth - self.low), slices.of_units(depth + self.high))
     }
 }
 
-/// The entry of a triangle in the root tile's list.
-pub(super) fn root_entry(index: u32, t: &BuildTriangle, resolution: Resolution) -> Entry {
+/// The entry of a triangle in the root tile's list; `None` for one that lies behind the last slice. Its slices are those of
+/// its corners, which hold for every tile below.
+pub(super) fn root_entry(index: u32, t: &BuildTriangle, slices: &Slices) -> Option<Entry> {
     let [near, far] = [t.z[0].min(t.z[1]).min(t.z[2]), t.z[0].max(t.z[1]).max(t.z[2])];
     let mut flags = if t.is_solid() { SOLID } else { 0 };
     flags |= match t.winding() {
@@ -224,6 +213,7 @@ pub(super) fn root_entry(index: u32, t: &BuildTriangle, resolution: Resolution) 
         -1 => EXITS,
         _ => 0,
     };
-    let shift = resolution.slice_shift();
-    Entry { triangle: index, flags, first: near >> shift, last: far >> shift }
+    flags |= if t.cutout().is_some() { CUTOUT } else { 0 };
+    let [first, last] = [near, far].map(|step| slices.of_step(step));
+    (first < slices.resolution().texels()).then_some(Entry { triangle: index, flags, first, last })
 }

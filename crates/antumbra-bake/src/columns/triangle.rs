@@ -1,8 +1,8 @@
 //! Triangles as the builder wants them: one cache line each.
 
-use crate::light_space::{LatticeTriangle, Resolution};
+use crate::light_space::{LatticeTriangle, Resolution, Slices};
 
-/// A triangle with its plane in slices; counter-clockwise on the lattice.
+/// A triangle with its plane in depth units ([`Slices`]); counter-clockwise on the lattice.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct BuildTriangle {
@@ -10,11 +10,16 @@ pub struct BuildTriangle {
     pub(super) y: [i32; 3],
     pub(super) z: [u32; 3],
     flags: u32,
-    /// Slices per lattice step along x and y; zero for an edge-on triangle.
+    /// Depth units per lattice step along x and y; zero for an edge-on triangle.
     pub(super) slope: [f64; 2],
-    /// Bound on the rounding error of a depth computed at a texel centre that the triangle covers, in slices.
+    /// Bound on the rounding error of a depth computed at a texel centre that the triangle covers, in depth units.
     error: f32,
+    /// Index of the triangle's cutout, or [`NO_CUTOUT`].
+    cutout: u32,
 }
+
+/// The triangle is there wherever it covers.
+const NO_CUTOUT: u32 = u32::MAX;
 
 const SOLID: u32 = 1;
 const FACES_LIGHT: u32 = 2;
@@ -30,7 +35,7 @@ const ROUNDER: f64 = (3u64 << 51) as f64;
 impl BuildTriangle {
     /// `None` for a triangle that can neither cover a texel nor bound a solid.
     #[must_use]
-    pub fn new(t: &LatticeTriangle, resolution: Resolution) -> Option<Self> {
+    pub fn new(t: &LatticeTriangle, slices: &Slices) -> Option<Self> {
         let area = t.doubled_area();
         if area == 0 && !t.solid {
             return None;
@@ -50,20 +55,33 @@ impl BuildTriangle {
             flags,
             slope: [0.0; 2],
             error: 0.0,
+            cutout: NO_CUTOUT,
         };
         if area != 0 {
-            triangle.set_plane(resolution);
+            triangle.set_plane(slices);
         }
         Some(triangle)
     }
 
-    fn set_plane(&mut self, resolution: Resolution) {
+    /// The same triangle, there only where a cutout keeps it: an index into the build's cutouts.
+    #[must_use]
+    pub fn with_cutout(self, cutout: u32) -> Self {
+        Self { cutout, ..self }
+    }
+
+    /// Index of its cutout.
+    #[inline(always)]
+    pub(super) fn cutout(&self) -> Option<usize> {
+        (self.cutout != NO_CUTOUT).then_some(self.cutout as usize)
+    }
+
+    fn set_plane(&mut self, slices: &Slices) {
         let (numerators, area) = self.gradient();
-        self.slope = numerators.map(|n| n as f64 / area as f64 * resolution.slices_per_step());
+        self.slope = numerators.map(|n| n as f64 / area as f64 * slices.units_per_step());
         let reach = |c: [i32; 3]| f64::from(c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]));
         let span = self.slope[0].abs() * reach(self.x) + self.slope[1].abs() * reach(self.y);
-        // A handful of roundings of terms no greater than the span, and of a sum no greater than 2^20.
-        self.error = (span * ROUNDING + 1.0 / (1u64 << 30) as f64) as f32;
+        // A handful of roundings of terms no greater than the span, and of a sum no greater than the volume's depth.
+        self.error = (span * ROUNDING + slices.rounding()) as f32;
     }
 
     /// Exact depth gradient on the lattice: numerators along x and y, and their common denominator, the doubled area.
@@ -106,19 +124,26 @@ impl BuildTriangle {
         }
     }
 
-    /// Depth of the plane at a lattice point, in slices; exact but for rounding.
+    /// Ends of edge `i` on the lattice, in the triangle's order of turning.
     #[inline(always)]
-    pub(super) fn depth(&self, p: [f64; 2], slices_per_step: f64) -> f64 {
-        let x = p[0] - f64::from(self.x[0]);
-        let y = p[1] - f64::from(self.y[0]);
-        f64::from(self.z[0]) * slices_per_step + (x * self.slope[0] + y * self.slope[1])
+    pub(super) fn edge_ends(&self, i: usize) -> [[i32; 2]; 2] {
+        let j = if i == 2 { 0 } else { i + 1 };
+        [[self.x[i], self.y[i]], [self.x[j], self.y[j]]]
     }
 
-    /// The plane's depth over a leaf, given its first texel centre: depth there and steps along x and y, in slices.
+    /// Depth of the plane at a lattice point, in units; exact but for rounding.
     #[inline(always)]
-    fn leaf_plane(&self, first: [i64; 2], resolution: Resolution) -> LeafPlane {
-        let texel = resolution.texel_steps() as f64;
-        let corner = self.depth([first[0] as f64, first[1] as f64], resolution.slices_per_step());
+    pub(super) fn depth(&self, p: [f64; 2], units_per_step: f64) -> f64 {
+        let x = p[0] - f64::from(self.x[0]);
+        let y = p[1] - f64::from(self.y[0]);
+        f64::from(self.z[0]) * units_per_step + (x * self.slope[0] + y * self.slope[1])
+    }
+
+    /// The plane's depth over a leaf, given its first texel centre: depth there and steps along x and y, in units.
+    #[inline(always)]
+    fn leaf_plane(&self, first: [i64; 2], slices: &Slices) -> LeafPlane {
+        let texel = slices.resolution().texel_steps() as f64;
+        let corner = self.depth([first[0] as f64, first[1] as f64], slices.units_per_step());
         let step = [self.slope[0] * texel, self.slope[1] * texel];
         // The triangle covers some of the centres, so the leaf's first lies within eight texels of it.
         let error = f64::from(self.error) + (step[0].abs() + step[1].abs()) * 16.0 * ROUNDING;
@@ -128,54 +153,54 @@ impl BuildTriangle {
     /// The slices of a leaf's 64 texel centres, row by row from the first; exact where `wanted` has a bit and the
     /// triangle covers the centre.
     #[inline]
-    pub(super) fn leaf_slices(&self, first: [i64; 2], wanted: u64, resolution: Resolution) -> [u32; 64] {
-        let (mut slices, doubtful) = self.leaf_plane(first, resolution).slices();
+    pub(super) fn leaf_slices(&self, first: [i64; 2], wanted: u64, slices: &Slices) -> [u32; 64] {
+        let (mut of_texel, doubtful) = self.leaf_plane(first, slices).slices(slices, wanted);
         let mut doubtful = doubtful & wanted;
         while doubtful != 0 {
             let i = doubtful.trailing_zeros() as usize;
-            slices[i] = self.exact_slice(leaf_center(first, i, resolution), resolution);
+            of_texel[i] = self.exact_slice(leaf_center(first, i, slices.resolution()), slices);
             doubtful &= doubtful - 1;
         }
-        slices
+        of_texel
     }
 
     /// The exact slice of one of a leaf's texel centres, which the triangle covers.
     #[inline]
-    pub(super) fn leaf_slice(&self, first: [i64; 2], texel: usize, resolution: Resolution) -> u32 {
-        let (slice, sure) = self.leaf_plane(first, resolution).slice(texel);
-        if sure { slice } else { self.exact_slice(leaf_center(first, texel, resolution), resolution) }
+    pub(super) fn leaf_slice(&self, first: [i64; 2], texel: usize, slices: &Slices) -> u32 {
+        let (slice, sure) = self.leaf_plane(first, slices).slice(texel, slices);
+        if sure { slice } else { self.exact_slice(leaf_center(first, texel, slices.resolution()), slices) }
     }
 
     /// The slices of the plane's deepest points in a leaf's 64 texels; a hair too deep does no harm.
     #[inline]
-    pub(super) fn leaf_deepest(&self, first: [i64; 2], resolution: Resolution) -> [u32; 64] {
-        self.leaf_plane(first, resolution).lowered(resolution).slices().0
+    pub(super) fn leaf_deepest(&self, first: [i64; 2], wanted: u64, slices: &Slices) -> [u32; 64] {
+        self.leaf_plane(first, slices).lowered(slices).slices(slices, wanted).0
     }
 
     /// The same for one texel.
     #[inline]
-    pub(super) fn leaf_deepest_at(&self, first: [i64; 2], texel: usize, resolution: Resolution) -> u32 {
-        self.leaf_plane(first, resolution).lowered(resolution).slice(texel).0
+    pub(super) fn leaf_deepest_at(&self, first: [i64; 2], texel: usize, slices: &Slices) -> u32 {
+        self.leaf_plane(first, slices).lowered(slices).slice(texel, slices).0
     }
 
     /// The slice at a lattice point, in exact integers.
     #[cold]
-    pub(super) fn exact_slice(&self, p: [i64; 2], resolution: Resolution) -> u32 {
+    pub(super) fn exact_slice(&self, p: [i64; 2], slices: &Slices) -> u32 {
         let (numerators, area) = self.gradient();
         let along = |n: i64, d: i64| i128::from(n) * i128::from(d);
         let sum = along(numerators[0], p[0] - i64::from(self.x[0])) + along(numerators[1], p[1] - i64::from(self.y[0]));
         let depth = i128::from(self.z[0]) + sum.div_euclid(i128::from(area));
-        (depth >> resolution.slice_shift()) as u32
+        slices.of_step(depth as u32)
     }
 }
 
 /// Lattice point of a leaf's texel centre.
-fn leaf_center(first: [i64; 2], texel: usize, resolution: Resolution) -> [i64; 2] {
+pub(super) fn leaf_center(first: [i64; 2], texel: usize, resolution: Resolution) -> [i64; 2] {
     let steps = resolution.texel_steps();
     [first[0] + (texel as i64 & 7) * steps, first[1] + (texel as i64 >> 3) * steps]
 }
 
-/// A plane over the 8 x 8 texels of a leaf, in slices.
+/// A plane over the 8 x 8 texels of a leaf, in depth units.
 struct LeafPlane {
     /// Depth at the first texel centre.
     corner: f64,
@@ -188,31 +213,62 @@ struct LeafPlane {
 impl LeafPlane {
     /// The plane through the deepest points of the texels' squares.
     #[inline(always)]
-    fn lowered(mut self, resolution: Resolution) -> Self {
-        let rise = 0.5 * (self.step[0].abs() + self.step[1].abs()) + 1.0 / 256.0;
-        self.corner += rise.min(f64::from(resolution.texels()));
+    fn lowered(mut self, slices: &Slices) -> Self {
+        let rise = 0.5 * (self.step[0].abs() + self.step[1].abs()) + slices.widening();
+        self.corner += rise.min(slices.end_units());
         self
+    }
+
+    #[inline(always)]
+    fn depth(&self, texel: usize) -> f64 {
+        self.corner + ((texel & 7) as f64 * self.step[0] + (texel >> 3) as f64 * self.step[1])
     }
 
     /// Slice at a texel centre, and whether rounding cannot have made it wrong.
     #[inline(always)]
-    fn slice(&self, texel: usize) -> (u32, bool) {
-        let depth = self.corner + ((texel & 7) as f64 * self.step[0] + (texel >> 3) as f64 * self.step[1]);
+    fn slice(&self, texel: usize, slices: &Slices) -> (u32, bool) {
+        if slices.are_even() { self.even_slice(texel) } else { slices.of_units_within(self.depth(texel), self.error) }
+    }
+
+    /// The same where a depth unit is a slice.
+    #[inline(always)]
+    fn even_slice(&self, texel: usize) -> (u32, bool) {
+        let depth = self.depth(texel);
         // Adding so much rounds to a whole number and leaves it in the low bits.
         let rounded = (depth - 0.5) + ROUNDER;
         let share = depth - (rounded - ROUNDER);
         (rounded.to_bits() as u32, share > self.error && share < 1.0 - self.error)
     }
 
-    /// All 64 slices, and a bit for each that rounding may have made wrong.
+    /// The slices of those of the 64 texels that are wanted, at least, and a bit for each that rounding may have made
+    /// wrong.
     #[inline]
-    fn slices(&self) -> ([u32; 64], u64) {
+    fn slices(&self, slices: &Slices, wanted: u64) -> ([u32; 64], u64) {
+        if slices.are_even() { self.even_slices() } else { self.wanted_slices(slices, wanted) }
+    }
+
+    fn wanted_slices(&self, slices: &Slices, mut wanted: u64) -> ([u32; 64], u64) {
+        let mut of_texel = [0; 64];
+        let mut doubtful = 0;
+        while wanted != 0 {
+            let i = wanted.trailing_zeros() as usize;
+            let (slice, is_sure) = slices.of_units_within(self.depth(i), self.error);
+            of_texel[i] = slice;
+            doubtful |= u64::from(!is_sure) << i;
+            wanted &= wanted - 1;
+        }
+        (of_texel, doubtful)
+    }
+
+    /// All 64: compilers make vector code of this.
+    #[inline]
+    fn even_slices(&self) -> ([u32; 64], u64) {
         let mut slices = [0; 64];
         let mut doubtful = 0;
         for y in 0..8 {
             let mut sure = [0u64; 8];
             for x in 0..8 {
-                let (slice, is_sure) = self.slice(8 * y + x);
+                let (slice, is_sure) = self.even_slice(8 * y + x);
                 slices[8 * y + x] = slice;
                 sure[x] = u64::from(is_sure);
             }
@@ -232,7 +288,7 @@ pub(super) struct Edge {
 }
 
 impl Edge {
-    /// Edge function: positive to the left, where the triangle is. Fits: |normal|, |p - corner| <= 2^26.
+    /// Edge function: positive to the left, where the triangle is. Fits: |normal|, |p - corner| <= 3 * 2^26.
     #[inline(always)]
     pub fn at(&self, p: [i64; 2]) -> i64 {
         self.normal[0] * (p[0] - self.corner[0]) + self.normal[1] * (p[1] - self.corner[1])

@@ -4,7 +4,9 @@
 //! identical nodes", Kämpe et al. 2015, section 3.2, without their adjacency test).
 
 mod encode;
+mod levels;
 mod table;
 
 pub use encode::{EncodeError, Encoded, encode};
+pub use levels::{LevelsError, coarse_levels};
 pub use table::{Id, LIT, NodeTable, SHADOWED, Tables};

@@ -124,6 +124,12 @@ impl<K: Copy + Eq + FastHash> NodeTable<K> {
         self.id(local, shard_number)
     }
 
+    /// The key of an id that this table gave.
+    pub fn key(&self, id: Id) -> K {
+        let (shard, local) = place(id);
+        lock(&self.shards[shard]).keys[local]
+    }
+
     fn id(&self, local: u32, shard: usize) -> Id {
         ((local << (SHARD_BITS + 1)) | ((shard as u32) << 1) | self.tag) + FIRST_ID
     }

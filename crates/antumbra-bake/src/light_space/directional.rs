@@ -1,7 +1,7 @@
 //! The orthographic grid of a directional light, fitted to the casters.
 
 use antumbra::{LightKind, LightRecord};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::{DEPTH_BITS, LATERAL_BITS, Resolution};
 
@@ -95,6 +95,19 @@ impl DirectionalSpace {
         let across = |m: f64| (m / (self.texel_size_m * n) * lateral + 0.5).floor().clamp(0.0, lateral) as i32;
         let along = (p.z / (self.slice_size_m * n) * depth + 0.5).floor().clamp(0.0, depth - 1.0) as u32;
         ([across(p.x), across(p.y)], along)
+    }
+
+    /// Depth of a slice, metres.
+    #[must_use]
+    pub fn slice_size_m(&self) -> f64 {
+        self.slice_size_m
+    }
+
+    /// A world point across the light, in real-valued lattice steps.
+    #[must_use]
+    pub fn lattice_point(&self, world: DVec3) -> DVec2 {
+        let p = to_light(&self.axes, world - self.origin_world) - self.corner_m;
+        DVec2::new(p.x, p.y) / self.texel_size_m * self.resolution.texel_steps() as f64
     }
 
     /// The light's record but for its name, policy and root.

@@ -5,11 +5,16 @@
 //! coverage is decided on that lattice in integers, so edges that triangles share are watertight and nothing depends
 //! on tiles, threads or the machine. Texel centres lie on the lattice too: N is at most 2^20.
 
+mod clip;
 mod directional;
+mod local;
+mod slices;
 
 pub use directional::DirectionalSpace;
+pub use local::{LocalLight, LocalSpace};
+pub use slices::Slices;
 
-/// log2 of lattice steps per side across the light. Edge functions of such coordinates fit an `i64`.
+/// log2 of lattice steps per side across the light. Edge functions of such coordinates fit an `i64`, a side beyond too.
 pub const LATERAL_BITS: u32 = 26;
 /// log2 of lattice steps along the light. Depth gradients' numerators fit an `i64`.
 pub const DEPTH_BITS: u32 = 32;
@@ -27,6 +32,8 @@ impl Resolution {
     pub const MAX: Self = Self { log2: antumbra::format::light::MAX_LOG2_RESOLUTION };
     /// Of directional lights, unless told otherwise: 16,384.
     pub const DEFAULT_DIRECTIONAL: Self = Self { log2: 14 };
+    /// Of spot and point lights, unless told otherwise: 4,096.
+    pub const DEFAULT_LOCAL: Self = Self { log2: 12 };
 
     /// `None` unless `texels` is a power of two from 64 to 2^20.
     #[must_use]
@@ -35,12 +42,9 @@ impl Resolution {
         (texels.is_power_of_two() && Self::MIN <= resolution && resolution <= Self::MAX).then_some(resolution)
     }
 
-    /// The least resolution whose texels, over `extent_m` metres, are no larger than `texel_m`; `None` past the greatest.
-    #[must_use]
-    pub fn for_texel_size(extent_m: f64, texel_m: f64) -> Option<Self> {
-        (Self::MIN.log2..=Self::MAX.log2)
-            .map(|log2| Self { log2 })
-            .find(|r| extent_m / f64::from(r.texels()) <= texel_m)
+    /// All of them, coarsest first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (Self::MIN.log2..=Self::MAX.log2).map(|log2| Self { log2 })
     }
 
     /// log2 of the texels per side.
@@ -67,12 +71,6 @@ impl Resolution {
         i64::from(texel) * self.texel_steps() + self.texel_steps() / 2
     }
 
-    /// Slices per lattice step along the light: a power of two.
-    #[must_use]
-    pub fn slices_per_step(self) -> f64 {
-        1.0 / (1u64 << self.slice_shift()) as f64
-    }
-
     /// Bits to shift a depth on the lattice right by for its slice.
     #[must_use]
     pub fn slice_shift(self) -> u32 {
@@ -80,12 +78,12 @@ impl Resolution {
     }
 }
 
-/// A caster triangle on the lattice.
+/// A caster triangle on the lattice. Corners may lie up to a side beyond the light's grid ([`LocalSpace`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LatticeTriangle {
-    /// x of the corners, 0..=2^26.
+    /// x of the corners, -2^26..=2^27; texels lie within 0..2^26.
     pub x: [i32; 3],
-    /// y of the corners, 0..=2^26.
+    /// y of the corners, likewise.
     pub y: [i32; 3],
     /// Depth of the corners, 0..2^32, growing away from the light.
     pub z: [u32; 3],

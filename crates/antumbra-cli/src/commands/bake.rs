@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use antumbra::Interior;
+use antumbra::{DepthDistribution, Interior};
 use antumbra_bake::light_space::Resolution;
 use antumbra_bake::{BakeOptions, Baked, LightReport, ResolutionRequest};
 use anyhow::{Context, Result, bail};
@@ -29,21 +29,24 @@ pub struct Args {
     /// Where to write
     #[arg(short, long, value_name = "FILE.antumbra")]
     output: PathBuf,
-    /// A light of the scene to bake; may be repeated [default: all directional lights]
+    /// A light of the scene to bake; may be repeated [default: all directional, spot and point lights]
     #[arg(long, value_name = "NAME")]
     light: Vec<String>,
     /// Bake a directional light named "sun" too, in degrees: azimuth clockwise from north (-Z) seen from above (+Y),
     /// elevation above the horizon. It replaces a light of that name
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = args::parse_sun, allow_hyphen_values = true)]
     sun: Option<SunAngles>,
-    /// Texels per side and depth slices: a power of two, 64 to 1048576 [default: 16384]
+    /// Texels per side and depth slices: a power of two, 64 to 1048576 [default: 16384, of spot and point lights 4096]
     #[arg(long, value_name = "N", value_parser = args::parse_resolution)]
     resolution: Option<Resolution>,
-    /// Instead of --resolution: the smallest power of two whose texels are no larger than so many metres
+    /// Instead of --resolution: the smallest power of two whose texels are no larger than so many metres (of spot and point
+    /// lights: at their range)
     #[arg(long, value_name = "METRES", value_parser = args::parse_metres, conflicts_with = "resolution")]
     texel_size: Option<f64>,
     /// Where the bake may choose freely: auto (inside whatever is closed), open (nowhere), closed (as auto, and warns of
-    /// what is open), thickness=METRES and static=METRES (not in this version)
+    /// what is open), thickness=METRES (also so far behind open surfaces), static=METRES (also between a ray's first
+    /// surface and so far before its second: for receivers on the scene's own surfaces, a filter of K texels wants half
+    /// its width times the steepest slope)
     #[arg(long, value_name = "POLICY", value_parser = args::parse_interior, default_value = "auto")]
     interior: Interior,
     #[command(flatten)]
@@ -52,9 +55,18 @@ pub struct Args {
     /// exactly everywhere
     #[arg(long, value_name = "X0,Y0,Z0,X1,Y1,Z1", value_parser = args::parse_bounds, allow_hyphen_values = true)]
     bounds: Option<[DVec3; 2]>,
-    /// Near distance of spot and point lights (not in this version)
+    /// Spot and point lights ignore casters nearer than this, along a face's axis [default: their range / 1024]
     #[arg(long, value_name = "METRES", value_parser = args::parse_metres)]
     near: Option<f64>,
+    /// Add coarse levels, for prefiltered lookups (query --prefilter levels, render --prefilter levels)
+    #[arg(long)]
+    levels: bool,
+    /// Add coarse enter depths, for blocker lookups (query --blocker)
+    #[arg(long)]
+    enter_depths: bool,
+    /// How the slices of spot and point lights are spread
+    #[arg(long, value_enum, default_value_t = DepthArg::Log)]
+    depth: DepthArg,
     /// Node encoding
     #[arg(long, value_name = "NAME", default_value = "dag8")]
     encoding: String,
@@ -85,6 +97,15 @@ enum Method {
     Sintorn2014,
 }
 
+/// `--depth`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum DepthArg {
+    /// By the logarithm of the distance: a voxel keeps its proportions
+    Log,
+    /// Evenly in normalized device coordinates, as a plain shadow map has them; for comparison
+    Ndc,
+}
+
 /// Bakes.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
@@ -93,23 +114,18 @@ pub fn run(args: &Args) -> Result<()> {
     let progress = Progress::new(args.run.quiet);
     progress.stage("reading the scene");
     let mut scene = inputs::scene(&args.scene, &args.casters.exclude)?;
-    let mut warnings = Vec::new();
-    let lights = lights::choose(&mut scene, &args.light, args.sun, &mut warnings)?;
+    let lights = lights::choose(&mut scene, &args.light, args.sun)?;
     let held = memory::current_bytes().unwrap_or(0);
     let options = options(args, held)?;
     let baked = antumbra_bake::bake(&scene, &lights, &options, &progress).with_context(|| asked_for(args, held))?;
     progress.stage("writing");
     output.write(&baked.bytes)?;
     drop(progress);
-    warnings.extend_from_slice(&baked.warnings);
-    output::warn(&warnings);
-    report(args, &baked, &warnings, start.elapsed().as_secs_f64())
+    output::warn(&baked.warnings);
+    report(args, &baked, start.elapsed().as_secs_f64())
 }
 
 fn refuse_what_comes_later(args: &Args) -> Result<()> {
-    if args.near.is_some() {
-        bail!("--near is for spot and point lights, which are not in this version; leave it out");
-    }
     if args.resume {
         bail!("--resume is not in this version; leave it out to bake from the start");
     }
@@ -138,6 +154,13 @@ fn options(args: &Args, held: u64) -> Result<BakeOptions> {
         },
         inverted: args.casters.inverted(),
         blend: args.casters.blend(),
+        near_m: args.near,
+        local_depth: match args.depth {
+            DepthArg::Log => DepthDistribution::Logarithmic,
+            DepthArg::Ndc => DepthDistribution::Ndc,
+        },
+        levels: args.levels,
+        enter_depths: args.enter_depths,
         threads: args.run.threads(),
         memory_limit: args.memory_limit.map(left_of).transpose()?,
     })
@@ -151,7 +174,7 @@ fn asked_for(args: &Args, held: u64) -> String {
     format!("cannot bake {}{limit}", args.scene.display())
 }
 
-fn report(args: &Args, baked: &Baked, warnings: &[String], seconds: f64) -> Result<()> {
+fn report(args: &Args, baked: &Baked, seconds: f64) -> Result<()> {
     if args.json {
         return describe::print(&json!({
             "lights": baked.lights.iter().map(|light| summary(light).json()).collect::<Vec<_>>(),
@@ -159,8 +182,9 @@ fn report(args: &Args, baked: &Baked, warnings: &[String], seconds: f64) -> Resu
             "peak_rss_bytes": memory::peak_bytes(),
             "threads": baked.threads,
             "triangles": describe::triangles(&baked.stats),
+            "levels_bytes": baked.levels_bytes,
             "seconds": seconds,
-            "warnings": warnings,
+            "warnings": baked.warnings,
         }));
     }
     if args.run.quiet {
@@ -181,13 +205,28 @@ fn summary(light: &LightReport) -> LightSummary<'_> {
     }
 }
 
+/// More lights than this are summed up.
+const LIGHTS_IN_FULL: usize = 8;
+
 fn summary_table(args: &Args, baked: &Baked, seconds: f64) -> String {
     let mut text = String::new();
-    for light in &baked.lights {
-        let heading = format!("{} ({})", printable(&light.name), light.kind.name());
-        text += &summary(light).table().row("built in", format!("{:.2} s", light.build_seconds)).text(&heading);
+    if baked.lights.len() <= LIGHTS_IN_FULL {
+        for light in &baked.lights {
+            let heading = format!("{} ({})", printable(&light.name), light.kind.name());
+            text += &summary(light).table().row("built in", format!("{:.2} s", light.build_seconds)).text(&heading);
+        }
     }
     let mut table = Table::default();
+    if baked.lights.len() > LIGHTS_IN_FULL {
+        table.row("lights", count(baked.lights.len() as u64));
+        let sizes: Vec<u64> = baked.lights.iter().map(|light| light.bytes).collect();
+        let largest = sizes.iter().max().copied().unwrap_or(0);
+        let mean = sizes.iter().sum::<u64>() / sizes.len() as u64;
+        table.row("bytes per light", format!("{} on average, {} at most", bytes(mean), bytes(largest)));
+    }
+    if args.levels {
+        table.row("coarse levels", bytes(baked.levels_bytes));
+    }
     table.row("bytes", format!("{} ({})", bytes(baked.bytes.len() as u64), count(baked.bytes.len() as u64)));
     table.row("triangles", describe::triangles_text(&baked.stats));
     table.row("threads", baked.threads.to_string());

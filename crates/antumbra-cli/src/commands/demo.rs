@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
     progress.stage("generating a city");
     let scene = procedural::build("city", &Options { scale: args.scale, ..Options::default() })?;
     files.scene.write(&to_glb(&scene)?)?;
-    let lights = lights::choose(&mut scene.clone(), &[], None, &mut Vec::new())?;
+    let lights = lights::choose(&mut scene.clone(), &[], None)?;
     let baked = antumbra_bake::bake(&scene, &lights, &BakeOptions::default(), &progress)?;
     files.shadows.write(&baked.bytes)?;
     let shadows = ShadowFile::from_bytes(&baked.bytes)?;

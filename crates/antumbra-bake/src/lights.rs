@@ -1,0 +1,210 @@
+//! Builds the lights of a bake: directional ones one after the other, each on all threads; local ones side by side.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use antumbra::format::dag8::NodeCounts;
+use antumbra::format::enter;
+use antumbra::{LightKind, LightRecord};
+use antumbra_scene::Light;
+use rayon::prelude::*;
+
+use crate::bake::{BakeError, BakeOptions, LightReport, Progress};
+use crate::casters::Casters;
+use crate::casters::occluder::FirstHits;
+use crate::columns::{Build, BuildError, BuildTriangle, Cutout, EnterGrid, Freedom, build};
+use crate::dag::{Id, LIT, Tables};
+use crate::light_space::Slices;
+use crate::place::{FaceCasters, LightSpace, SpaceRequest, for_each_placed};
+
+/// What all lights of a bake share.
+#[derive(Clone, Copy)]
+pub(crate) struct Lights<'a> {
+    pub casters: &'a Casters<'a>,
+    pub options: &'a BakeOptions,
+    pub tables: &'a Tables,
+    pub progress: &'a dyn Progress,
+}
+
+/// A finished light.
+pub(crate) struct BuiltLight {
+    pub name: String,
+    /// But for name, policy and roots.
+    pub record: LightRecord,
+    /// One per face.
+    pub roots: Vec<Id>,
+    /// Its part of the `ENTR` section.
+    pub enters: Vec<u8>,
+    pub seconds: f64,
+    pub warnings: Vec<String>,
+}
+
+impl BuiltLight {
+    /// What it took, given what each of its roots added to the pool.
+    pub fn report(&self, added: &[(NodeCounts, u64)]) -> LightReport {
+        let sum = |count: fn(&NodeCounts) -> u64| added.iter().map(|(counts, _)| count(counts)).sum();
+        LightReport {
+            name: self.name.clone(),
+            kind: self.record.light_kind().unwrap_or(LightKind::Directional),
+            resolution: self.record.resolution(),
+            texel_size_m: self.record.texel_size_m,
+            bytes: added.iter().map(|(_, words)| 4 * words).sum(),
+            build_seconds: self.seconds,
+            nodes: NodeCounts { inner: sum(|c| c.inner), slices: sum(|c| c.slices), masks: sum(|c| c.masks) },
+        }
+    }
+}
+
+/// Memory that lights in the making hold, and how many are done.
+#[derive(Default)]
+struct Running {
+    bytes: AtomicU64,
+    done: AtomicU64,
+}
+
+impl Lights<'_> {
+    /// Builds all lights; results are in their order, and the same whatever the number of threads.
+    pub fn build(self, lights: &[Light]) -> Result<Vec<BuiltLight>, BakeError> {
+        let mut built: Vec<Option<BuiltLight>> = Vec::new();
+        let running = Running::default();
+        for light in lights {
+            let directional = light.kind == antumbra_scene::LightKind::Directional;
+            built.push(if directional { Some(self.build_directional(light, &running)?) } else { None });
+        }
+        let local = built.iter().filter(|light| light.is_none()).count() as u64;
+        if local > 0 {
+            self.progress.stage(&format!("building {local} spot and point light(s)"));
+            let places = built.par_iter_mut().zip(lights).filter(|(place, _)| place.is_none());
+            let results: Vec<Result<(), BakeError>> = places
+                .map(|(place, light)| {
+                    *place = Some(self.build_local(light, &running)?);
+                    let done = running.done.fetch_add(1, Ordering::Relaxed) + 1;
+                    self.progress.advance(done as f64 / local as f64);
+                    Ok(())
+                })
+                .collect();
+            // Of several errors the first light's, whatever the threads did.
+            results.into_iter().collect::<Result<(), BakeError>>()?;
+        }
+        Ok(built.into_iter().flatten().collect())
+    }
+
+    fn build_directional(self, light: &Light, running: &Running) -> Result<BuiltLight, BakeError> {
+        self.progress.stage(&format!("placing casters for {}", light.name));
+        let all = triangle_bytes(self.casters.len() as u64);
+        self.limit().checked_sub(all).ok_or(self.out_of_memory("placing the casters"))?;
+        let progress = |share| self.progress.advance(share);
+        let mut first_hits = FirstHits::default();
+        let stage = |_: &FaceCasters<'_>| self.progress.stage(&format!("building {}", light.name));
+        let mut built =
+            self.build_light(light, running, &mut |t, node| first_hits.insert(t, node), &stage, &progress)?;
+        built.warnings.extend(first_hits.warning(self.casters.scene()));
+        if built.roots == [LIT] {
+            built.warnings.push(format!(
+                "no caster covers a texel of \"{}\": everything is lit; look at the casters' sizes and places",
+                light.name
+            ));
+        }
+        Ok(built)
+    }
+
+    fn build_local(self, light: &Light, running: &Running) -> Result<BuiltLight, BakeError> {
+        self.build_light(light, running, &mut |_, _| {}, &|_| {}, &|_| {})
+    }
+
+    fn build_light(
+        self,
+        light: &Light,
+        running: &Running,
+        placed: &mut dyn FnMut(&crate::light_space::LatticeTriangle, usize),
+        stage: &dyn Fn(&FaceCasters<'_>),
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<BuiltLight, BakeError> {
+        let start = Instant::now();
+        let options = self.options;
+        let request =
+            SpaceRequest { resolution: options.resolution, near_m: options.near_m, distribution: options.local_depth };
+        let space = LightSpace::new(self.casters, light, request)?;
+        let slices = space.slices();
+        let opened = space.opened_parts(self.casters);
+        let mut faces = vec![FaceCasters::default(); space.faces()];
+        for_each_placed(self.casters, &space, &opened, |face, triangle, caster| {
+            placed(triangle, caster.node);
+            faces[face].insert(triangle, caster, &space, &slices, face);
+        });
+        faces.iter().for_each(stage);
+        let held = self.held_bytes(&faces, &slices);
+        running.bytes.fetch_add(held, Ordering::Relaxed);
+        let freedom = space.freedom(options.interior);
+        let mut enters = Vec::new();
+        let roots = faces
+            .iter()
+            .map(|face| self.build_face(face, &slices, &freedom, running, &mut enters, progress))
+            .collect::<Result<Vec<Id>, BakeError>>();
+        running.bytes.fetch_sub(held, Ordering::Relaxed);
+        let mut section = Vec::new();
+        if options.enter_depths {
+            let log2 = space.resolution().log2();
+            enter::push(&mut section, enter::log2_cells(log2), enter::shift(log2), &enters);
+        }
+        Ok(BuiltLight {
+            name: light.name.clone(),
+            record: space.record(),
+            roots: roots?,
+            enters: section,
+            seconds: start.elapsed().as_secs_f64(),
+            warnings: Vec::new(),
+        })
+    }
+
+    fn build_face(
+        self,
+        face: &FaceCasters<'_>,
+        slices: &Slices,
+        freedom: &Freedom,
+        running: &Running,
+        enters: &mut Vec<Vec<enter::Cell>>,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Id, BakeError> {
+        let memory_limit = self.limit().saturating_sub(running.bytes.load(Ordering::Relaxed));
+        let grid = self.options.enter_depths.then(|| EnterGrid::new(slices.resolution()));
+        let root = build(&Build {
+            triangles: &face.triangles,
+            cutouts: &face.cutouts,
+            slices,
+            freedom,
+            enters: grid.as_ref(),
+            tables: self.tables,
+            memory_limit,
+            progress,
+        });
+        enters.extend(grid.map(|grid| grid.cells()));
+        root.map_err(|e| match e {
+            BuildError::MemoryLimit => self.out_of_memory("building"),
+            BuildError::TooManyNodes => BakeError::TooManyNodes,
+        })
+    }
+
+    fn held_bytes(self, faces: &[FaceCasters<'_>], slices: &Slices) -> u64 {
+        let of_face = |face: &FaceCasters<'_>| {
+            let cutouts = face.cutouts.len() * size_of::<Cutout<'_>>();
+            triangle_bytes(face.triangles.len() as u64) + cutouts as u64
+        };
+        let enters = if self.options.enter_depths { EnterGrid::bytes(slices.resolution()) } else { 0 };
+        faces.iter().map(of_face).sum::<u64>() + slices.bytes() + enters
+    }
+
+    fn limit(self) -> u64 {
+        self.options.memory_limit.unwrap_or(u64::MAX)
+    }
+
+    fn out_of_memory(self, stage: &'static str) -> BakeError {
+        BakeError::Memory { limit: self.limit(), stage }
+    }
+}
+
+/// Bytes that so many triangles take with their tiles' lists.
+fn triangle_bytes(triangles: u64) -> u64 {
+    // A list holds every triangle once; those of a tile's descendants add up to less than twice that.
+    triangles * (size_of::<BuildTriangle>() as u64 + 3 * 16)
+}

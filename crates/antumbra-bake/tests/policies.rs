@@ -1,0 +1,217 @@
+//! Every kind of light under every policy, against the oracle: every texel of every face, on random and nasty scenes with
+//! alpha-masked triangles.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use antumbra::{DepthDistribution, Interior};
+use antumbra_bake::BakeOptions;
+use antumbra_scene::{AlphaMode, Image, Light, Material, Scene, TextureRef, Wrap};
+use common::{TestMesh, bake_for_check, check_all, cuboid, lamp, options, scene, spot, sun, turned};
+use glam::{DAffine3, DVec3};
+use proptest::prelude::*;
+
+/// Triangles anywhere.
+fn soup() -> impl Strategy<Value = TestMesh> {
+    let corner = prop_oneof![
+        3 => prop::array::uniform3(-1.0f32..1.0),
+        1 => prop::array::uniform3((-4i32..=4).prop_map(|c| c as f32 * 0.25)),
+    ];
+    prop::collection::vec(prop::array::uniform3(corner), 1..16).prop_map(|triangles| {
+        let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        (triangles.into_iter().flatten().collect(), indices)
+    })
+}
+
+fn solid() -> impl Strategy<Value = TestMesh> {
+    let on_grid = (prop::array::uniform3(-4i32..=4), prop::array::uniform3(1i32..=4))
+        .prop_map(|(c, h)| cuboid(c.map(|c| f64::from(c) * 0.25), h.map(|h| f64::from(h) * 0.125), 0.0));
+    let free = (prop::array::uniform3(-1.0f64..1.0), prop::array::uniform3(0.01f64..0.5), 0.0f64..3.2)
+        .prop_map(|(c, h, turn)| cuboid(c, h, turn));
+    (prop_oneof![on_grid, free], prop::bool::weighted(0.15)).prop_map(|(m, turn)| if turn { turned(m) } else { m })
+}
+
+/// A wavy sheet of many triangles that share their edges.
+fn sheet() -> impl Strategy<Value = TestMesh> {
+    (prop::array::uniform4(-0.6f32..0.6), -1.0f32..1.0).prop_map(|([a, b, c, d], height)| {
+        let point = |i: u32| {
+            let (x, z) = ((i % 9) as f32 / 4.0 - 1.0, (i / 9) as f32 / 4.0 - 1.0);
+            [x, height + a * x * z + b * x * x + c * z + d * x, z]
+        };
+        let cell = |i: u32| {
+            let at = i / 8 * 9 + i % 8;
+            [[at, at + 9, at + 1], [at + 1, at + 9, at + 10]]
+        };
+        ((0..81).map(point).collect(), (0..64).flat_map(cell).collect())
+    })
+}
+
+fn meshes() -> impl Strategy<Value = Vec<TestMesh>> {
+    let few_solids = prop::collection::vec(solid(), 0..4);
+    (few_solids, prop::option::of(soup()), prop::option::of(sheet())).prop_map(|(mut meshes, soup, sheet)| {
+        meshes.extend(soup);
+        meshes.extend(sheet);
+        meshes
+    })
+}
+
+fn light() -> impl Strategy<Value = Light> {
+    let place = || {
+        prop_oneof![
+            3 => prop::array::uniform3(-1.2f64..1.2),
+            1 => prop::array::uniform3((-4i32..=4).prop_map(|c| f64::from(c) * 0.25)),
+        ]
+    };
+    let direction = || prop::array::uniform3(-1.0f64..1.0).prop_filter("zero", |d| d.iter().any(|c| c.abs() > 0.01));
+    prop_oneof![
+        direction().prop_map(sun),
+        (place(), 0.3f64..6.0).prop_map(|(p, range)| lamp(p, range)),
+        (place(), direction(), 2.0f64..90.0, 0.3f64..6.0).prop_map(|(p, d, angle, range)| spot(p, d, angle, range)),
+    ]
+}
+
+fn interior() -> impl Strategy<Value = Interior> {
+    prop_oneof![
+        Just(Interior::Open),
+        Just(Interior::Auto),
+        prop_oneof![Just(0.0), 0.0f64..0.5].prop_map(Interior::Thickness),
+        prop_oneof![Just(0.0), 0.0f64..0.3].prop_map(Interior::Static),
+    ]
+}
+
+fn distribution() -> impl Strategy<Value = DepthDistribution> {
+    prop_oneof![4 => Just(DepthDistribution::Logarithmic), 1 => Just(DepthDistribution::Ndc)]
+}
+
+/// Gives a share of the nodes' meshes a texture full of holes, with coordinates all over it.
+fn mask(scene: &mut Scene, seed: u32) {
+    let noise = |i: u32| (i ^ seed).wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b);
+    let rgba = (0..16 * 8).flat_map(|i| [90, 160, 60, if noise(i) & 1 == 0 { 0 } else { (noise(i) >> 8) as u8 | 64 }]);
+    scene.images.push(Image { name: "holes".into(), width: 16, height: 8, rgba: rgba.collect() });
+    let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+    let transform = [[1.3, 0.2, 0.1], [-0.4, 0.9, 0.3]];
+    let (wrap_s, wrap_t) = (wraps[seed as usize % 3], wraps[(seed / 3) as usize % 3]);
+    let texture = TextureRef { image: 0, wrap_s, wrap_t, transform };
+    scene.materials.push(Material {
+        base_color_texture: Some(texture),
+        alpha_mode: AlphaMode::Mask,
+        alpha_cutoff: 0.4,
+        ..Material::default()
+    });
+    for (m, mesh) in scene.meshes.iter_mut().enumerate() {
+        if (seed >> m) & 1 == 1 {
+            continue;
+        }
+        let primitive = &mut mesh.primitives[0];
+        let place = |p: &[f32; 3]| [p[0] * 1.7 + p[1] * 0.3, p[2] * 1.1 - p[1] * 0.8];
+        primitive.texcoords = primitive.positions.iter().map(place).collect();
+        if seed & 64 != 0 {
+            primitive.colors =
+                (0..primitive.positions.len()).map(|i| [1.0, 1.0, 1.0, 0.5 + 0.1 * (i % 6) as f32]).collect();
+        }
+        primitive.material = Some(0);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 500, ..ProptestConfig::default() })]
+
+    #[test]
+    fn agrees_with_the_oracle(
+        meshes in meshes(), light in light(), interior in interior(), local_depth in distribution(),
+        near in prop::option::of(0.01f64..0.25), masked in prop::option::of(any::<u32>()),
+    ) {
+        let mut scene = scene(meshes, DAffine3::IDENTITY);
+        prop_assume!(!scene.nodes.is_empty());
+        if let Some(seed) = masked {
+            mask(&mut scene, seed);
+        }
+        let options = BakeOptions { near_m: near, local_depth, enter_depths: true, levels: true, ..options(interior, 64, 1) };
+        check_all(&bake_for_check(&scene, &light, &options)).map_err(TestCaseError::fail)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 16, ..ProptestConfig::default() })]
+
+    #[test]
+    fn agrees_at_greater_resolutions(meshes in meshes(), light in light(), interior in interior(), seed in any::<u32>()) {
+        let mut scene = scene(meshes, DAffine3::IDENTITY);
+        prop_assume!(!scene.nodes.is_empty());
+        mask(&mut scene, seed);
+        check_all(&bake_for_check(&scene, &light, &options(interior, 512, 1))).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn threads_do_not_change_the_bytes(meshes in meshes(), light in light(), interior in interior()) {
+        let scene = scene(meshes, DAffine3::IDENTITY);
+        prop_assume!(!scene.nodes.is_empty());
+        let with = |threads| BakeOptions { levels: true, enter_depths: true, ..options(interior, 256, threads) };
+        let bytes = |threads| bake_for_check(&scene, &light, &with(threads)).bytes;
+        let one = bytes(1);
+        prop_assert!(one == bytes(2) && one == bytes(3), "bytes differ between thread counts");
+    }
+}
+
+fn assert_agrees(meshes: &[TestMesh], light: &Light, interior: Interior) {
+    let scene = scene(meshes.to_vec(), DAffine3::IDENTITY);
+    for resolution in [64, 256] {
+        check_all(&bake_for_check(&scene, light, &options(interior, resolution, 1))).unwrap();
+    }
+}
+
+const POLICIES: [Interior; 4] = [Interior::Open, Interior::Auto, Interior::Thickness(0.07), Interior::Static(0.02)];
+
+#[test]
+fn a_lamp_at_the_corner_of_many_boxes() {
+    // The light stands on corners, edges and faces' planes of solids about it: near planes cut them, rays run along walls.
+    let boxes: Vec<TestMesh> = [[0.5, 0.5, 0.5], [-0.5, 0.5, 0.5], [-0.5, -0.5, 0.5], [0.5, -0.5, -0.5]]
+        .into_iter()
+        .map(|center| cuboid(center, [0.5; 3], 0.0))
+        .collect();
+    for interior in POLICIES {
+        assert_agrees(&boxes, &lamp([0.0; 3], 3.0), interior);
+        assert_agrees(&boxes, &lamp([0.0, 0.0, -0.5], 3.0), interior);
+    }
+}
+
+#[test]
+fn a_lamp_in_a_room_in_a_house() {
+    let house = cuboid([0.0; 3], [1.0; 3], 0.2);
+    let room = turned(cuboid([0.0; 3], [0.8; 3], 0.2));
+    let table = cuboid([0.2, -0.5, 0.1], [0.3, 0.05, 0.2], 0.7);
+    for interior in POLICIES {
+        assert_agrees(&[house.clone(), room.clone(), table.clone()], &lamp([0.1, 0.3, -0.05], 4.0), interior);
+        // Inside a solid, it counts as open.
+        assert_agrees(&[house.clone(), table.clone()], &lamp([0.1, 0.3, -0.05], 4.0), interior);
+    }
+}
+
+#[test]
+fn spots_of_every_width() {
+    let scene = [cuboid([0.0, -0.6, 0.0], [1.0, 0.1, 1.0], 0.0), cuboid([0.1, -0.2, 0.2], [0.2, 0.3, 0.1], 0.4)];
+    for degrees in [0.1, 1.0, 30.0, 59.9, 60.1, 75.0, 90.0] {
+        for direction in [[0.0, -1.0, 0.0], [0.3, -0.9, 0.1], [1.0, 0.0, 0.0]] {
+            assert_agrees(&scene, &spot([0.0, 0.9, 0.0], direction, degrees, 3.0), Interior::Auto);
+        }
+    }
+}
+
+#[test]
+fn lamps_far_from_the_origin() {
+    let place = DAffine3::from_translation(DVec3::new(4.3e6, -2.1e5, 7.7e6));
+    let scene = scene(vec![cuboid([0.0; 3], [0.4; 3], 0.5), cuboid([0.0, -1.0, 0.0], [2.0, 0.1, 2.0], 0.0)], place);
+    for interior in POLICIES {
+        let light = lamp([4.3e6 + 0.3, -2.1e5 + 1.2, 7.7e6 - 0.2], 5.0);
+        check_all(&bake_for_check(&scene, &light, &options(interior, 128, 1))).unwrap();
+    }
+}
+
+#[test]
+fn a_casters_beyond_the_range_casts_nothing_within() {
+    let far = [cuboid([0.0, -3.0, 0.0], [2.0, 0.1, 2.0], 0.0)];
+    let scene = scene(far.to_vec(), DAffine3::IDENTITY);
+    let checked = bake_for_check(&scene, &lamp([0.0; 3], 1.0), &options(Interior::Auto, 64, 1));
+    check_all(&checked).unwrap();
+    assert_eq!(checked.light().record().roots, [0; 6]);
+}
