@@ -1,11 +1,13 @@
 //! Which lights a bake is for.
 
+use antumbra::{Interior, LightShadow};
 use antumbra_scene::{Light, LightKind, Scene};
 use anyhow::{Result, bail};
 use glam::DVec3;
 
 use crate::args::SunAngles;
 use crate::inputs::listed;
+use crate::table::printable;
 
 /// Name of the light that `--sun` adds.
 pub const SUN: &str = "sun";
@@ -33,6 +35,21 @@ pub fn put(scene: &mut Scene, light: Light) {
         Some(old) => *old = light,
         None => scene.lights.push(light),
     }
+}
+
+/// Warns where a bake's policy leaves undefined what is asked for.
+#[must_use]
+pub fn policy_warnings(light: LightShadow<'_>, asked: &str) -> Vec<String> {
+    let defined = match light.interior() {
+        Interior::Static(m) => format!(
+            "on the scene's own surfaces only (up to {m} m before them): between a ray's first and second surface, where \
+             light shafts and moving receivers look, its answers mean nothing"
+        ),
+        Interior::Thickness(m) => format!("everywhere but within {m} m behind a surface"),
+        Interior::Open | Interior::Closed | Interior::Auto => return Vec::new(),
+    };
+    let (name, policy) = (printable(light.name()), light.interior().name());
+    vec![format!("\"{name}\" was baked with --interior {policy}, and {asked} are asked for: it is defined {defined}")]
 }
 
 /// The lights to bake, in the scene's order: those named and the added sun, or all there are.

@@ -81,8 +81,17 @@ fn gather(numbers: &[f64], order: Order) -> Vec<DVec3> {
 
 /// The bytes of a float32 array of shape (n,).
 pub fn write_values(values: &[f32]) -> Result<Vec<u8>> {
+    write_array(values, &[values.len() as u64])
+}
+
+/// The bytes of a float32 array of shape (n, 2).
+pub fn write_pairs(pairs: &[[f32; 2]]) -> Result<Vec<u8>> {
+    write_array(pairs.as_flattened(), &[pairs.len() as u64, 2])
+}
+
+fn write_array(values: &[f32], shape: &[u64]) -> Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(128 + 4 * values.len());
-    let options = npyz::WriteOptions::new().default_dtype().shape(&[values.len() as u64]);
+    let options = npyz::WriteOptions::new().default_dtype().shape(shape);
     let mut writer = options.writer(&mut bytes).begin_nd()?;
     writer.extend(values)?;
     writer.finish()?;

@@ -44,12 +44,12 @@ fn several_lights_share_their_nodes() {
     let glb = with_lights(&fs::read(&arguments(folder.path(), "{city}")[0]).expect("the city"));
     fs::write(folder.path().join("two.glb"), glb).expect("a file");
     let done = run(folder.path(), "bake {two.glb} -o {b} --resolution 256 --json");
-    assert!(done.stderr.contains("warning: 1 spot and point light(s) are left out"), "{}", done.stderr);
     let baked = done.json();
-    assert_eq!(baked["warnings"].as_array().expect("warnings").len(), 1);
+    assert!(baked["warnings"].as_array().expect("warnings").is_empty());
     let info = run(folder.path(), "info {b} --json").json();
-    assert_eq!(baked["lights"].as_array().expect("lights").len(), 2);
-    for (baked, info) in [0, 1].map(|i| (&baked["lights"][i], &info["lights"][i])) {
+    assert_eq!(baked["lights"].as_array().expect("lights").len(), 3);
+    assert_eq!(info["lights"][2]["kind"], "point");
+    for (baked, info) in [0, 1, 2].map(|i| (&baked["lights"][i], &info["lights"][i])) {
         assert_eq!((&baked["name"], &baked["bytes"], &baked["nodes"]), (&info["name"], &info["bytes"], &info["nodes"]));
     }
     assert_eq!(baked["lights"][0]["bytes"], city["lights"][0]["bytes"]);
@@ -59,7 +59,12 @@ fn several_lights_share_their_nodes() {
 
     let only = run(folder.path(), "bake {two.glb} -o {b} --resolution 64 --light twin --json").json();
     assert_eq!((&only["lights"][0]["name"], only["lights"].as_array().map(Vec::len)), (&"twin".into(), Some(1)));
-    run(folder.path(), "bake {two.glb} -o {b} --light lamp").fails(&["\"lamp\"", "directional lights only"]);
+    let lamp = run(folder.path(), "bake {two.glb} -o {b} --resolution 64 --near 2 --light lamp --json").json();
+    assert_eq!((&lamp["lights"][0]["name"], &lamp["lights"][0]["kind"]), (&"lamp".into(), &"point".into()));
+    let info = run(folder.path(), "info {b} --json").json();
+    assert_eq!((info["lights"][0]["near_m"].as_f64(), info["lights"][0]["faces"].as_u64()), (Some(2.0), Some(6)));
+    run(folder.path(), "validate {b}").ok();
+    run(folder.path(), "bake {two.glb} -o {b} --light lamp --near 1e6").fails(&["lamp", "--near"]);
     run(folder.path(), "bake {two.glb} -o {b} --light moon").fails(&["\"moon\"", "twin"]);
 }
 
@@ -138,7 +143,7 @@ fn a_failure_leaves_the_old_file_alone() {
     let folder = folder();
     let old = folder.path().join("b");
     fs::write(&old, "precious").expect("a file");
-    run(folder.path(), "bake {city} -o {b} --resolution 64 --interior thickness=1").fails(&["thickness"]);
+    run(folder.path(), "bake {city} -o {b} --resolution 64 --method kampe2015").fails(&["kampe2015"]);
     run(folder.path(), "bake {b} -o {b}").fails(&["unknown kind"]);
     assert_eq!(fs::read(&old).expect("still there"), b"precious");
     run(folder.path(), "bake {city} -o {b} --resolution 64").ok();

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use antumbra::{Filter, ShadowFile};
+use antumbra::{Filter, Prefilter, ShadowFile};
 use glam::DVec3;
 use npyz::WriterBuilder;
 
@@ -31,6 +31,46 @@ fn points() -> Vec<DVec3> {
         .collect();
     points.extend([DVec3::NAN, DVec3::INFINITY, DVec3::splat(1e300)]);
     points
+}
+
+#[test]
+fn levels_of_detail_and_blockers_are_the_runtimes_own() {
+    let folder = folder();
+    let points = points();
+    write_points(&folder.path().join("p.npy"), &points);
+    let bake = "bake {city} -o {b} --resolution 512 --levels --enter-depths --interior thickness=0.5";
+    run(folder.path(), bake).ok();
+    run(folder.path(), "validate {b}").ok();
+    let bytes = fs::read(folder.path().join("b")).expect("a bake");
+    let file = ShadowFile::from_bytes(&bytes).expect("a sound bake");
+    let sun = file.light("sun").expect("a sun");
+    let values = |options: &str| {
+        let done = run(folder.path(), &format!("query {{b}} --light sun --points {{p.npy}} -o {{v.npy}} {options}"));
+        assert!(done.stderr.contains("--interior thickness"), "no word of the policy: {}", done.stderr);
+        read_values(&folder.path().join("v.npy"))
+    };
+    let expected = |lookup: &dyn Fn(DVec3) -> f32| points.iter().map(|p| lookup(*p)).collect::<Vec<f32>>();
+    let means = expected(&|p| sun.mean_visibility(p, None, 4));
+    assert!(means.iter().any(|v| *v > 0.0 && *v < 1.0));
+    assert_eq!(values("--lod 4"), means);
+    assert_eq!(values("--footprint 3"), expected(&|p| sun.prefiltered(p, None, 3.0, Prefilter::Mean)));
+    let filter = Filter::new_box(3).expect("odd");
+    let on_levels = expected(&|p| sun.level_filtered(p, None, filter, 1.5));
+    assert_eq!(values("--lod 1.5 --prefilter levels --filter 3"), on_levels);
+    let blockers = values("--blocker 2");
+    assert_eq!(blockers.len(), 2 * points.len());
+    for (pair, point) in blockers.chunks(2).zip(&points) {
+        match sun.blocker(*point, 2.0) {
+            Some(b) => assert_eq!(pair, [b.least_m as f32, b.greatest_m as f32]),
+            None => assert!(pair.iter().all(|v| v.is_nan())),
+        }
+    }
+    for (line, words) in
+        [("--lod 1.5", "whole number"), ("--lod 1 --prefilter levels", "--levels"), ("--blocker 1", "--enter-depths")]
+    {
+        run(folder.path(), &format!("query {{baked}} --light sun --points {{p.npy}} -o {{v.npy}} {line}"))
+            .fails(&[words]);
+    }
 }
 
 #[test]

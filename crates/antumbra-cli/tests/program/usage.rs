@@ -63,13 +63,9 @@ fn what_comes_later_says_so() {
         "view a.glb",
         "rebuild f a.glb b.glb -o g",
         "bench construction",
-        "bake {city} -o {b} --resolution 64 --interior thickness=0.5",
-        "bake {city} -o {b} --resolution 64 --interior static=0.5",
-        "bake {city} -o {b} --near 0.1",
         "bake {city} -o {b} --resume",
         "bake {city} -o {b} --method kampe2015",
         "bake {city} -o {b} --encoding best",
-        "query {baked} --light sun --points p --lod 1 -o {v}",
         "render {city} -o {p} --technique csm",
         "render {city} -o {p} --device gpu",
     ];

@@ -5,6 +5,8 @@
 //! children are stored. Nothing is stored that no light reaches, and nothing twice.
 
 use alloc::collections::BTreeSet;
+use alloc::vec;
+use alloc::vec::Vec;
 
 use super::dag8::{self, LIT, SHADOWED, SLICE_LEVEL, WHOLE, child_code};
 use crate::{FormatError, ShadowFile};
@@ -34,31 +36,46 @@ pub fn check(file: &ShadowFile) -> Result<(), FormatError> {
     check_unique(&file.pool, layout)
 }
 
-/// Every node's header holds the mean of its voxels. Children stand before their parents.
+/// Every node's header holds the mean of its voxels.
 fn check_means(pool: &[u32], layout: dag8::Layout) -> Result<(), FormatError> {
-    let mut shares = alloc::vec![0u64; layout.end - layout.slices];
-    let mut at = layout.slices;
-    while at < layout.end {
-        let header = pool[at];
-        let mut share = 0;
-        for i in 0..8 {
-            share += match child_code(header, i) {
-                LIT => WHOLE / 8,
-                SHADOWED => 0,
-                _ if at < layout.inner => {
-                    let mask = pool[at + 1 + dag8::child_slot(header, i)] as usize;
-                    dag8::slice_node_share(pool[mask].count_ones() + pool[mask + 1].count_ones())
-                }
-                _ => shares[pool[at + 1 + dag8::child_slot(header, i)] as usize - layout.slices] / 8,
-            };
-        }
-        if header & 0xffff_0000 != dag8::mean_bits(share) {
-            return Err(FormatError::Malformed("a node's mean visibility is not that of its voxels"));
-        }
-        shares[at - layout.slices] = share;
-        at += 1 + dag8::reference_count(header);
+    let right = node_shares(pool, layout).all(|(at, share)| pool[at] & 0xffff_0000 == dag8::mean_bits(share));
+    if right { Ok(()) } else { Err(FormatError::Malformed("a node's mean visibility is not that of its voxels")) }
+}
+
+/// Puts into every node's header the mean of its voxels, for pools that were not made by a bake.
+///
+/// # Errors
+/// [`FormatError::Malformed`] unless [`dag8::check`] accepts the pool.
+pub fn set_means(pool: &mut [u32]) -> Result<(), FormatError> {
+    dag8::check(pool)?;
+    let means: Vec<(usize, u64)> = node_shares(pool, dag8::layout(pool)?).collect();
+    for (at, share) in means {
+        pool[at] = (pool[at] & 0xffff) | dag8::mean_bits(share);
     }
     Ok(())
+}
+
+/// Word and lit share (of [`WHOLE`]) of every node of a checked pool. Children stand before their parents.
+fn node_shares(pool: &[u32], layout: dag8::Layout) -> impl Iterator<Item = (usize, u64)> {
+    let mut shares = vec![0u64; layout.end - layout.slices];
+    let mut next = layout.slices;
+    core::iter::from_fn(move || {
+        let at = next;
+        let header = *pool.get(at)?;
+        let share = (0..8).map(|i| match (child_code(header, i), pool.get(at + 1 + dag8::child_slot(header, i))) {
+            (LIT, _) => WHOLE / 8,
+            (SHADOWED, _) | (_, None) => 0,
+            (_, Some(&mask)) if at < layout.inner => {
+                let mask = mask as usize;
+                dag8::slice_node_share(pool[mask].count_ones() + pool[mask + 1].count_ones())
+            }
+            (_, Some(&node)) => shares[node as usize - layout.slices] / 8,
+        });
+        let share = share.sum();
+        shares[at - layout.slices] = share;
+        next = at + 1 + dag8::reference_count(header);
+        Some((at, share))
+    })
 }
 
 /// The next unvisited word of each part.
