@@ -192,7 +192,7 @@ fn depth_maps(record: &LightRecord) -> (impl Fn(f64) -> f64 + Sync, impl Fn(f64)
 }
 
 /// Calls `with` with the oracle of a face.
-fn with_oracle<R>(checked: &Checked<'_>, face: usize, with: impl FnOnce(&Oracle<'_>) -> R) -> R {
+pub fn with_oracle<R>(checked: &Checked<'_>, face: usize, with: impl FnOnce(&Oracle<'_>) -> R) -> R {
     let record = *checked.light().record();
     let slices = checked.space.slices();
     let slice = |step: u32| slices.of_step(step);

@@ -28,6 +28,21 @@ impl LightShadow<'_> {
         self.file.enters.is_some()
     }
 
+    /// Bounds on the first shadowed slice of a texel's ray, `u32::MAX` for none: those of the cell that holds the texel.
+    /// `None` without enter depths.
+    ///
+    /// # Panics
+    /// When the light has no such face.
+    #[must_use]
+    pub fn enter_bounds(self, face: usize, texel: [u32; 2]) -> Option<[u32; 2]> {
+        let enters = &self.file.enters.as_ref()?[self.index];
+        let pyramid = &enters.faces[face];
+        let shift = self.record().log2_resolution - pyramid.log2_cells;
+        let [x, y] = texel.map(|c| (c & (self.record().resolution() - 1)) >> shift);
+        let Cell { least, greatest } = pyramid.levels[0][((y << pyramid.log2_cells) + x) as usize];
+        Some([least, greatest].map(|stored| if stored == NONE { u32::MAX } else { u32::from(stored) << enters.shift }))
+    }
+
     /// Bounds on the blockers' distance within a square window about a point: `radius_m` to every side across the light,
     /// widened to whole cells. `None` where nothing there lies before the point, outside the volume, and without enter
     /// depths.

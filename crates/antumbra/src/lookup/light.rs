@@ -70,6 +70,13 @@ impl<'a> LightShadow<'a> {
         self.projection().project(point_world)
     }
 
+    /// The world point with real-valued voxel coordinates on a face: the inverse of [`LightShadow::project`], on whose
+    /// face the point need not lie. `None` where there is none.
+    #[must_use]
+    pub fn unproject(self, at: FacePoint) -> Option<DVec3> {
+        self.projection().unproject(at)
+    }
+
     /// Whether a world point lies outside a spot light's cone: lookups there give 0.
     #[inline]
     #[must_use]

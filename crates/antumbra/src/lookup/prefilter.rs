@@ -110,6 +110,18 @@ impl<'a> LightShadow<'a> {
         if share > 0.0 { on(fine) * (1.0 - share) + on(fine + 1) * share } else { on(fine) }
     }
 
+    /// Whether a voxel of a coarse level is lit, 1 the finest; its indices count that level's voxels.
+    ///
+    /// # Panics
+    /// When the file has no such level or the light no such face.
+    #[must_use]
+    pub fn is_lit_on_level(self, level: u32, face: usize, voxel: [u32; 3]) -> bool {
+        let last = (self.record().resolution() >> level) - 1;
+        let grid = &self.coarse()[level as usize - 1][face];
+        let voxel = voxel.map(|c| c & last);
+        is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)
+    }
+
     /// How far along a unit normal a lookup of a node's mean moves: the node's whole extent along the normal.
     fn mean_bias_m(self, point: DVec3, normal: DVec3, level: u32) -> f64 {
         if level == 0 {

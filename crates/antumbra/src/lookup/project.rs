@@ -155,6 +155,20 @@ impl Projection {
         Some(FacePoint { face, voxel: DVec3::new(texel(p.x), texel(p.y), shifted) })
     }
 
+    /// The world point with real-valued voxel coordinates on a face; `None` where there is none.
+    pub fn unproject(&self, at: FacePoint) -> Option<DVec3> {
+        let Some(local) = &self.local else {
+            let across = at.voxel - self.offset;
+            let [a, b, c] = self.rows.map(|row| row / row.length_squared());
+            return Some(self.origin + a * across.x + b * across.y + c * across.z).filter(|p| p.is_finite());
+        };
+        let depth = self.depth_of_slice(at.voxel.z);
+        let tangent = |v: f64| (v - 0.5 * self.side) / local.scale;
+        let ray = DVec3::new(tangent(at.voxel.x), tangent(at.voxel.y), 1.0);
+        let p = from_face(ray * depth, if local.is_cube { at.face } else { SPOT_FACE });
+        Some(self.origin + self.rows[0] * p.x + self.rows[1] * p.y + self.rows[2] * p.z).filter(|p| p.is_finite())
+    }
+
     /// Whether a point lies outside a spot light's cone.
     #[inline]
     pub fn is_outside_cone(&self, world: DVec3) -> bool {
