@@ -3,6 +3,8 @@
 //! *points* is many at a time, the other columns one after the other. Points lie near surfaces, where lookups descend deepest. *Random* takes them in shuffled order, *coherent* in a
 //! picture's scan order. Each figure is the best of several passes, so that other work on the machine weighs less.
 
+mod prefilter;
+
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -27,10 +29,21 @@ struct Args {
     /// Points per set.
     #[arg(long, default_value_t = 1_000_000)]
     points: usize,
+    /// Measure prefiltered lookups by the width of their footprint, beside lookups at full depth.
+    #[arg(long)]
+    prefilter: bool,
 }
 
 fn main() -> Result<()> {
     let args = Args::parse();
+    if args.prefilter {
+        println!(
+            "Millions per second on one thread, bake at {}, {} points near surfaces.\n",
+            args.resolution, args.points
+        );
+        println!("{}", prefilter::HEADER);
+        return args.scenes.iter().try_for_each(|name| prefilter::measure(name, &args));
+    }
     println!("Millions per second on one thread, bake at {}, {} points near surfaces.\n", args.resolution, args.points);
     println!(
         "| scene | order | points | point | 3x3 box | 9x9 box | 9x9 tent | 17x17 tent | shadow ray | point : ray | point : 9x9 |"

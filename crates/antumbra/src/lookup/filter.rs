@@ -76,10 +76,13 @@ impl Filter {
         }
     }
 
-    /// The middle tap's weight along one axis: the sum of the weights over it is the filter's effective width in texels.
+    /// The filter's effective width, texels: that of a box of the middle tap's weight.
     #[must_use]
-    pub fn peak(self) -> u32 {
-        self.weight(0)
+    pub fn width(self) -> u32 {
+        match self.kernel {
+            Kernel::Box => self.taps,
+            Kernel::Tent => self.radius() + 1,
+        }
     }
 
     /// Sum of the weights along one axis.

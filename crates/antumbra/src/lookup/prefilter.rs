@@ -18,7 +18,7 @@ use super::filter::Filter;
 use super::light::LightShadow;
 use super::pcf::{self, Weights};
 use super::point::{descend, is_lit, slice_mask};
-use super::project::{FacePoint, clamp_to_volume};
+use super::project::{FacePoint, Place, clamp_to_volume};
 use super::top_grid::TopGrid;
 use crate::format::dag8::{self, LIT, SHADOWED, SLICE_LEVEL};
 
@@ -44,16 +44,15 @@ impl<'a> LightShadow<'a> {
     /// Footprints no wider than a texel, or for [`Prefilter::Levels`] than the filter, are looked up at full depth.
     #[must_use]
     pub fn prefiltered(self, point: DVec3, normal: Option<DVec3>, footprint_m: f64, how: Prefilter) -> f32 {
-        let texels = footprint_m / self.frame(point).texel_m;
+        let texel_m = self.projection().texel_m(point);
         match how {
+            // The nearest power of two.
             Prefilter::Mean => {
-                // A square's nearest power of two; a footprint that is no number is no wider than a texel.
-                let level = libm::log2(texels.max(1.0) * core::f64::consts::SQRT_2) as u32;
-                self.mean_visibility(point, normal, level)
+                self.mean_visibility(point, normal, octave(footprint_m * core::f64::consts::SQRT_2 / texel_m).0)
             }
             Prefilter::Levels(filter) => {
-                let level = libm::log2((texels / f64::from(filter.axis_weight()) * f64::from(filter.peak())).max(1.0));
-                self.level_filtered(point, normal, filter, level)
+                let (level, share) = octave(footprint_m / (texel_m * f64::from(filter.width())));
+                self.blended(point, normal, filter, level, share)
             }
         }
     }
@@ -64,13 +63,14 @@ impl<'a> LightShadow<'a> {
     /// lies behind a plane with that normal. Before the volume and sideways of it: lit; behind it: as the last node.
     #[must_use]
     pub fn mean_visibility(self, point: DVec3, normal: Option<DVec3>, level: u32) -> f32 {
-        if self.is_outside_cone(point) {
-            return 0.0;
-        }
         let level = level.min(self.record().log2_resolution);
-        let at = self.project(normal.map_or(point, |n| point + n * self.mean_bias_m(point, n, level)));
-        let side = f64::from(self.record().resolution());
-        clamp_to_volume(at.voxel, side).map_or(1.0, |voxel| self.voxel_mean(at.face, voxel, level))
+        let lifted =
+            |n| if self.is_outside_cone(point) { point } else { point + n * self.mean_bias_m(point, n, level) };
+        match self.projection().place(normal.map_or(point, lifted)) {
+            Place::Lit => 1.0,
+            Place::Unlit => 0.0,
+            Place::At { face, voxel } => self.voxel_mean(face, voxel, level),
+        }
     }
 
     /// Mean visibility of the node of 2^`level` voxels per side that holds a voxel of a face.
@@ -94,20 +94,26 @@ impl<'a> LightShadow<'a> {
         }
     }
 
-    /// Filtered visibility on the coarse levels about a real-valued one, blended. Level L has texels 2^L times as wide; 0
+    /// Filtered visibility on the coarse levels about a real-valued one, blended by its fraction. Level L has texels 2^L times as wide; 0
     /// is the light itself, and levels past the coarsest (64 texels per side) count as that.
     #[must_use]
     pub fn level_filtered(self, point: DVec3, normal: Option<DVec3>, filter: Filter, level: f64) -> f32 {
+        let level = level.clamp(0.0, 31.0);
+        self.blended(point, normal, filter, level as u32, (level - libm::floor(level)) as f32)
+    }
+
+    /// Filtered on a level and, for a share, on the next.
+    fn blended(self, point: DVec3, normal: Option<DVec3>, filter: Filter, level: u32, share: f32) -> f32 {
         if self.is_outside_cone(point) {
             return 0.0;
         }
-        let coarse = self.coarse();
-        let level = level.clamp(0.0, coarse.len() as f64);
-        let (fine, share) = (level as usize, (level - libm::floor(level)) as f32);
-        let widest = fine + usize::from(share > 0.0);
-        let at = self.project(normal.map_or(point, |n| point + n * self.level_bias_m(point, n, filter, widest as u32)));
-        let on = |l: usize| self.filtered_on_level(at, filter, l);
-        if share > 0.0 { on(fine) * (1.0 - share) + on(fine + 1) * share } else { on(fine) }
+        let coarsest = self.coarse().len() as u32;
+        let (level, share) = if level >= coarsest { (coarsest, 0.0) } else { (level, share) };
+        let widest = level + u32::from(share > 0.0);
+        let lifted = |n| point + n * self.level_bias_m(point, n, filter, widest);
+        let at = self.project(normal.map_or(point, lifted));
+        let fine = self.filtered_on_level(at, filter, level);
+        if share > 0.0 { fine * (1.0 - share) + self.filtered_on_level(at, filter, level + 1) * share } else { fine }
     }
 
     /// Whether a voxel of a coarse level is lit, 1 the finest; its indices count that level's voxels.
@@ -145,13 +151,14 @@ impl<'a> LightShadow<'a> {
 
     /// Taps beyond a face's grid see the neighbouring face of a cube; they are left out beside a spot light's cone, and lit
     /// beside a directional light's grid.
-    fn filtered_on_level(self, at: FacePoint, filter: Filter, level: usize) -> f32 {
+    #[inline]
+    fn filtered_on_level(self, at: FacePoint, filter: Filter, level: u32) -> f32 {
         let grid = |face: usize| match level {
             0 => self.top_grid(face),
-            _ => &self.coarse()[level - 1][face],
+            _ => &self.coarse()[level as usize - 1][face],
         };
         let side = self.record().resolution() >> level;
-        let scale = 1.0 / f64::from(1u32 << level);
+        let scale = power_of_two(-(level as i32));
         let voxel = at.voxel * scale;
         let Weights { lit, inside, all } = pcf::weights(&self.file.pool, grid(at.face), side, voxel, filter);
         if inside == all || !self.is_local() || at.voxel.z < 0.0 {
@@ -167,6 +174,21 @@ impl<'a> LightShadow<'a> {
         });
         if sum[1] == 0 { 1.0 } else { sum[0] as f32 / sum[1] as f32 }
     }
+}
+
+/// The power of two at or below a width of 1 or more, and how far the width lies from it to the next, 0 to 1. Narrower
+/// widths, and those that are no numbers, count as 1.
+#[inline]
+fn octave(width: f64) -> (u32, f32) {
+    let bits = if width >= 1.0 { width.min(power_of_two(30)).to_bits() } else { 1f64.to_bits() };
+    let level = (bits >> 52) as i32 - 1023;
+    (level as u32, (f64::from_bits(bits) * power_of_two(-level) - 1.0) as f32)
+}
+
+/// 2^`exponent`, for small exponents.
+#[inline]
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
 /// Mean of the cube of 2^`level` voxels per side, level 0 to 2, that holds a voxel of a slice node.

@@ -186,6 +186,15 @@ impl Projection {
         }
     }
 
+    /// Side of a texel at a point's depth, metres.
+    #[inline]
+    pub fn texel_m(&self, world: DVec3) -> f64 {
+        let Some(local) = &self.local else { return self.texel_m };
+        let p = self.rotated(world);
+        let depth = if local.is_cube { p.abs().max_element() } else { p.z };
+        depth.max(local.near_m) / local.scale
+    }
+
     /// The grid about a point.
     pub fn frame(&self, world: DVec3) -> VoxelFrame {
         let [a, b, c] = self.rows;
