@@ -1,7 +1,8 @@
 //! Holds a bake against ray tracing in world space, at random points in the air, on surfaces and just off
 //! them.
 //!
-//! The truth is a ray towards the light against the casters ([`ground`]). A bake knows a shadow to a texel across the
+//! The truth is a ray towards the light against the casters, alpha masks tested where it meets them ([`ground`]); where a
+//! solid or the bake's policy leaves the answer open, any will do. A bake knows a shadow to a texel across the
 //! light and a slice along it: so wherever the two disagree, the truth is asked at points further and further aside
 //! ([`edge`]) until it agrees. That is how far the disagreement lies from a true shadow edge.
 //!
@@ -13,7 +14,7 @@ mod ground;
 mod report;
 mod sampling;
 
-use antumbra::{LightShadow, ShadowFile};
+use antumbra::ShadowFile;
 use antumbra_bake::{Blend, Inverted};
 use antumbra_render::TriangleId;
 use antumbra_scene::Scene;
@@ -23,7 +24,7 @@ use rayon::prelude::*;
 
 use crate::progress::Progress;
 use edge::{Edge, FARTHEST_TEXELS};
-use ground::{Ground, Truth};
+use ground::{Ground, Sight, Truth};
 use sampling::{Sample, Sampler};
 
 /// One point in so many is told apart as robust, near an edge or inside a solid: that takes up to two hundred rays.
@@ -80,6 +81,8 @@ pub struct Tally {
     pub agreeing: u64,
     /// They differ inside a solid, where the bake was free to choose.
     pub undefined: u64,
+    /// They differ where the bake's policy leaves the answer open.
+    pub left_open: u64,
     /// They differ elsewhere.
     pub disagreeing: u64,
     /// The ray reaches the light.
@@ -93,6 +96,8 @@ pub struct Tally {
     pub near_edge: u64,
     /// Inside a solid.
     pub inside: u64,
+    /// Left open by the bake's policy.
+    pub open: u64,
     /// The largest distance of a disagreement from an edge, texels; infinite past [`FARTHEST_TEXELS`].
     pub farthest_texels: f64,
     /// Disagreements farther than a texel.
@@ -118,9 +123,10 @@ pub fn compare(file: &ShadowFile, scene: &Scene, wish: Wish, progress: &Progress
         ground.tracer().triangle_count() > 0,
         "the scene has no triangles that cast shadows: nothing to compare with"
     );
-    let sampler = Sampler::new(ground.tracer());
     let lights = file.lights().map(|light| {
-        let tally = |kind| Job::new(light, &ground, &sampler, wish, kind).run(progress);
+        let sight = Sight::new(&ground, light);
+        let sampler = Sampler::new(&sight);
+        let tally = |kind| Job { sight: &sight, sampler: &sampler, wish, kind, edge: Edge::new(&sight) }.run(progress);
         LightComparison {
             name: light.name().to_owned(),
             air: tally(Kind::Air),
@@ -133,26 +139,21 @@ pub fn compare(file: &ShadowFile, scene: &Scene, wish: Wish, progress: &Progress
 
 /// One light and one kind of points.
 struct Job<'a> {
-    light: LightShadow<'a>,
-    ground: &'a Ground,
+    sight: &'a Sight<'a>,
     sampler: &'a Sampler<'a>,
     wish: Wish,
     kind: Kind,
     edge: Edge<'a>,
 }
 
-impl<'a> Job<'a> {
-    fn new(light: LightShadow<'a>, ground: &'a Ground, sampler: &'a Sampler<'a>, wish: Wish, kind: Kind) -> Self {
-        Self { light, ground, sampler, wish, kind, edge: Edge::new(light, ground) }
-    }
-
+impl Job<'_> {
     fn run(&self, progress: &Progress) -> Tally {
         let what = match self.kind {
             Kind::Air => "points in the air",
             Kind::Surface => "points on surfaces",
             Kind::OffSurface => "points off surfaces",
         };
-        progress.count(&format!("{}: {what}", self.light.name()), self.wish.samples, "points");
+        progress.count(&format!("{}: {what}", self.sight.light().name()), self.wish.samples, "points");
         let tasks = self.wish.samples.div_ceil(TASK);
         let tallies = (0..tasks).into_par_iter().map(|task| {
             let last = self.wish.samples.min((task + 1) * TASK);
@@ -165,42 +166,46 @@ impl<'a> Job<'a> {
     }
 
     fn sample(&self, index: u64, tally: &mut Tally) {
-        let sample = self.draw(index);
+        let Some(sample) = self.draw(index) else { return };
         let truth = self.truth(&sample);
-        let bake_lit = self.light.visibility(sample.point_world) > 0.5;
+        let bake_lit = self.sight.light().visibility(sample.point_world) > 0.5;
         tally.samples += 1;
         tally.lit += u64::from(truth == Truth::Lit);
         if bake_lit == (truth == Truth::Lit) {
             tally.agreeing += 1;
-        } else if truth == Truth::Inside {
-            tally.undefined += 1;
         } else {
-            tally.disagree(sample.point_world, bake_lit, self.edge.distance_texels(sample.point_world, bake_lit));
+            match truth {
+                Truth::Inside => tally.undefined += 1,
+                Truth::Undefined => tally.left_open += 1,
+                Truth::Lit | Truth::Shadowed => {
+                    let texels = self.edge.distance_texels(sample.point_world, bake_lit);
+                    tally.disagree(sample.point_world, bake_lit, texels);
+                }
+            }
         }
         if index.is_multiple_of(CLASSIFIED_EVERY) {
             self.classify(&sample, truth, tally);
         }
     }
 
-    fn draw(&self, index: u64) -> Sample {
-        let sample = self.sampler.sample(self.wish.seed, self.kind, index);
-        match sample.triangle {
+    fn draw(&self, index: u64) -> Option<Sample> {
+        let sample = self.sampler.sample(self.wish.seed, self.kind, index)?;
+        Some(match sample.triangle {
             Some(own) if self.kind == Kind::OffSurface => {
                 Sample { point_world: self.lifted(&sample, own), triangle: None }
             }
             _ => sample,
-        }
+        })
     }
 
     fn lifted(&self, sample: &Sample, own: TriangleId) -> DVec3 {
-        self.edge.lifted(sample.point_world, self.ground.outward(own))
+        self.edge.lifted(sample.point_world, self.sight.ground().outward(own))
     }
 
     fn truth(&self, sample: &Sample) -> Truth {
-        let towards = self.edge.towards_light();
         match sample.triangle {
-            None => self.ground.truth(sample.point_world, towards, self.edge.solids_are_free()),
-            Some(own) => self.ground.truth_on(sample.point_world, own, towards, self.edge.solids_are_free()),
+            None => self.sight.truth(sample.point_world),
+            Some(own) => self.sight.truth_on(sample.point_world, own),
         }
     }
 
@@ -210,6 +215,7 @@ impl<'a> Job<'a> {
         let off_surface = sample.triangle.map(|own| self.lifted(sample, own));
         match truth {
             Truth::Inside => tally.inside += 1,
+            Truth::Undefined => tally.open += 1,
             _ if self.edge.is_near(off_surface.unwrap_or(sample.point_world)) => tally.near_edge += 1,
             _ => tally.robust += 1,
         }
@@ -241,12 +247,14 @@ impl Tally {
         self.samples += other.samples;
         self.agreeing += other.agreeing;
         self.undefined += other.undefined;
+        self.left_open += other.left_open;
         self.disagreeing += other.disagreeing;
         self.lit += other.lit;
         self.classified += other.classified;
         self.robust += other.robust;
         self.near_edge += other.near_edge;
         self.inside += other.inside;
+        self.open += other.open;
         self.farthest_texels = self.farthest_texels.max(other.farthest_texels);
         self.too_far += other.too_far;
         self.worst.extend(other.worst);

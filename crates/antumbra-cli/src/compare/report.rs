@@ -5,10 +5,16 @@ use serde_json::{Value, json};
 use super::{CLASSIFIED_EVERY, Comparison, FARTHEST_TEXELS, LightComparison, Tally, Worst};
 use crate::table::{Table, count, percent, printable};
 
+/// More lights than this are summed up.
+const LIGHTS_IN_FULL: usize = 8;
+
 impl Comparison {
-    /// For people: a table per light.
+    /// For people: a table per light, or one of all where there are many.
     #[must_use]
     pub fn text(&self) -> String {
+        if self.lights.len() > LIGHTS_IN_FULL {
+            return self.summary();
+        }
         let tables = self.lights.iter().flat_map(|light| {
             let name = printable(&light.name);
             let kinds = [
@@ -21,15 +27,39 @@ impl Comparison {
         tables.collect::<String>() + &self.verdict() + "\n"
     }
 
+    /// All lights together, kind by kind of points, and those that are not as they should be.
+    fn summary(&self) -> String {
+        let kinds: [(&str, fn(&LightComparison) -> &Tally); 3] = [
+            ("in the air", |light| &light.air),
+            ("on surfaces", |light| &light.surfaces),
+            ("on surfaces, moved off them as a filtered lookup is", |light| &light.off_surfaces),
+        ];
+        let lights = count(self.lights.len() as u64);
+        let tables = kinds.map(|(place, tally)| {
+            let all = self.lights.iter().map(|light| tally(light).clone()).fold(Tally::default(), Tally::merge);
+            all.table().text(&format!("{lights} lights, {place}"))
+        });
+        let wrong = self.lights.iter().filter(|l| [&l.air, &l.surfaces, &l.off_surfaces].iter().any(|t| t.too_far > 0));
+        let names: Vec<String> = wrong.map(|light| printable(&light.name)).collect();
+        let wrong =
+            if names.is_empty() { String::new() } else { format!("not as they should be: {}\n", names.join(", ")) };
+        tables.concat() + &wrong + &self.verdict() + "\n"
+    }
+
     /// One sentence.
     #[must_use]
     pub fn verdict(&self) -> String {
         let total = self.total();
         let shares = format!(
-            "{} of {} points agree, {} differ inside solids, {} near edges",
+            "{} of {} points agree, {} differ inside solids{}, {} near edges",
             count(total.agreeing),
             count(total.samples),
             count(total.undefined),
+            if total.left_open > 0 {
+                format!(", {} where the policy leaves it open", count(total.left_open))
+            } else {
+                String::new()
+            },
             count(total.disagreeing - total.too_far)
         );
         match total.too_far {
@@ -50,6 +80,7 @@ impl Comparison {
             "samples": total.samples,
             "agreeing": total.agreeing,
             "undefined": total.undefined,
+            "left_open": total.left_open,
             "disagreeing": total.disagreeing,
             "too_far": total.too_far,
             "farthest_texels": texels_json(total.farthest_texels),
@@ -75,6 +106,7 @@ impl Tally {
         table.row("points", count(self.samples));
         table.row("agree", format!("{} ({})", count(self.agreeing), percent(self.agreeing, self.samples)));
         table.row("differ inside a solid", count(self.undefined));
+        table.row("differ where the policy leaves it open", count(self.left_open));
         table.row("differ elsewhere", count(self.disagreeing));
         table.row("farthest from an edge", texels_text(self.farthest_texels));
         table.row("lit", percent(self.lit, self.samples));
@@ -83,6 +115,7 @@ impl Tally {
         table.row("robust", share(self.robust));
         table.row("near an edge", share(self.near_edge));
         table.row("inside a solid", share(self.inside));
+        table.row("left open by the policy", share(self.open));
         for worst in &self.worst {
             table.row("too far", worst.text());
         }
@@ -103,6 +136,8 @@ impl Tally {
             "robust_share": share(self.robust),
             "near_edge_share": share(self.near_edge),
             "inside_share": share(self.inside),
+            "left_open": self.left_open,
+            "left_open_share": share(self.open),
             "worst": self.worst.iter().map(Worst::json).collect::<Vec<_>>(),
         })
     }
