@@ -4,6 +4,7 @@
 mod common;
 
 use antumbra::{FacePoint, Filter, Interior, Kernel, LightShadow};
+use antumbra_bake::oracle::Oracle;
 use antumbra_scene::{Scene, procedural};
 use common::{bake_for_check, cuboid, options, scene, sun};
 use glam::{DAffine3, DQuat, DVec3};
@@ -121,6 +122,69 @@ fn closed_surfaces_have_no_acne_without_bias() {
                 assert_eq!(dark, 0, "{degrees} degrees, {half_thickness} m at {resolution}");
             }
         }
+    }
+}
+
+/// Filtered visibility as rays give it: each tap's own ray, towards the light from the sample's depth.
+fn traced_filter(
+    checked: &common::Checked<'_>,
+    oracle: &Oracle<'_>,
+    point: DVec3,
+    normal: DVec3,
+    filter: Filter,
+) -> f32 {
+    let light = checked.light();
+    let voxel = light.project(point + normal * light.bias_m(point, normal, filter)).voxel;
+    let radius = i64::from(filter.radius());
+    let taps = (-radius..=radius).flat_map(|y| (-radius..=radius).map(move |x| (x, y)));
+    let lit = taps.filter(|(x, y)| {
+        let texel = [voxel.x.floor() as i64 + x, voxel.y.floor() as i64 + y].map(|c| c as u32);
+        voxel.z.floor() < f64::from(oracle.interval(texel[0], texel[1]).enter)
+    });
+    lit.count() as f32 / (filter.taps() * filter.taps()) as f32
+}
+
+/// Under a roof of boards, on the boards and on sloping ground: what `static` promises to receivers on the scene's own
+/// surfaces.
+#[test]
+fn static_bakes_filter_as_rays_do_on_slopes_with_enough_margin() {
+    for degrees in [0.0, 25.0, 50.0, 65.0] {
+        let turn = DQuat::from_rotation_z(f64::to_radians(degrees));
+        let ground = cuboid([0.0; 3], [2.0, 0.0, 2.0], 0.0);
+        let boards = (0..6).map(|i| cuboid([f64::from(i) * 0.7 - 1.75, 0.8, 0.0], [0.2, 0.0, 1.6], 0.1));
+        // Sheets, not boxes: only their upper faces.
+        let sheet = |(positions, triangles): common::TestMesh| (positions, vec![triangles[6], triangles[7]]);
+        let scene = scene(std::iter::once(ground).chain(boards).map(sheet).collect(), DAffine3::from_quat(turn));
+        let sun = sun([0.1, -1.0, 0.06]);
+        let texel_m = {
+            let probe = bake_for_check(&scene, &sun, &options(Interior::Open, 256, 1));
+            probe.light().record().texel_size_m
+        };
+        let (normal, axes) = (turn * DVec3::Y, [turn * DVec3::X, turn * DVec3::Z]);
+        let mut mismatches = [0; 2];
+        for taps in [1, 5, 9, 17] {
+            let filter = Filter::new_box(taps).unwrap();
+            // Half the filter's width times the slope for the taps, and as much for the bias; two slices for rounding.
+            let along = -sun.direction_world.dot(normal);
+            let slope = (1.0 - along * along).sqrt() * 1.42 / along;
+            let enough = f64::from(taps) * texel_m * slope + 0.02;
+            for (which, margin) in [enough, 0.0].into_iter().enumerate() {
+                let checked = bake_for_check(&scene, &sun, &options(Interior::Static(margin), 256, 1));
+                common::with_oracle(&checked, 0, |oracle| {
+                    let on_ground = face_points(DVec3::ZERO, axes, 1.5);
+                    let on_boards = face_points(normal * 0.8, axes, 1.5).filter(|p| {
+                        (0..6).any(|i| ((turn.inverse() * *p).x - (f64::from(i) * 0.7 - 1.75)).abs() < 0.1)
+                    });
+                    for point in on_ground.chain(on_boards).step_by(7) {
+                        let expected = traced_filter(&checked, oracle, point, normal, filter);
+                        let got = checked.light().filtered(point, Some(normal), filter);
+                        mismatches[which] += u32::from(got != expected);
+                    }
+                });
+            }
+        }
+        assert_eq!(mismatches[0], 0, "{degrees} degrees");
+        assert!(mismatches[1] > 0 || degrees == 0.0, "{degrees} degrees: a margin makes no difference");
     }
 }
 

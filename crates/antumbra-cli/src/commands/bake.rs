@@ -45,8 +45,8 @@ pub struct Args {
     texel_size: Option<f64>,
     /// Where the bake may choose freely: auto (inside whatever is closed), open (nowhere), closed (as auto, and warns of
     /// what is open), thickness=METRES (also so far behind open surfaces), static=METRES (also between a ray's first
-    /// surface and so far before its second: for receivers on the scene's own surfaces, a filter of K texels wants half
-    /// its width times the steepest slope)
+    /// surface and so far before its second: for receivers on the scene's own surfaces, a filter of K texels wants its
+    /// width times the steepest slope)
     #[arg(long, value_name = "POLICY", value_parser = args::parse_interior, default_value = "auto")]
     interior: Interior,
     #[command(flatten)]
