@@ -2,6 +2,7 @@
 
 mod baking;
 mod comparing;
+mod comparing_lamps;
 mod folder;
 mod pictures;
 mod querying;
