@@ -215,3 +215,77 @@ fn a_casters_beyond_the_range_casts_nothing_within() {
     check_all(&checked).unwrap();
     assert_eq!(checked.light().record().roots, [0; 6]);
 }
+
+/// A ball of triangles with irregular corners about the origin.
+fn ball(seed: u32) -> TestMesh {
+    let (rings, sides) = (9u32, 14u32);
+    let noise = |i: u32| 0.7 + 0.6 * f64::from((i ^ seed).wrapping_mul(2_654_435_761) >> 8) / f64::from(1u32 << 24);
+    let point = |i: u32| {
+        if i < 2 {
+            return [0.0, if i == 0 { 1.1 } else { -0.9 }, 0.0];
+        }
+        let (ring, side) = ((i - 2) / sides, (i - 2) % sides);
+        let (a, b) = (f64::from(ring + 1) / f64::from(rings + 1) * 3.1415, f64::from(side) / f64::from(sides) * 6.2831);
+        [a.sin() * b.cos(), a.cos(), a.sin() * b.sin()].map(|c| (c * noise(i)) as f32)
+    };
+    let at = |ring: u32, side: u32| 2 + ring * sides + side % sides;
+    let mut triangles = Vec::new();
+    for s in 0..sides {
+        triangles.extend([[0, at(0, s + 1), at(0, s)], [1, at(rings - 1, s), at(rings - 1, s + 1)]]);
+        for r in 0..rings - 1 {
+            triangles.extend([[at(r, s), at(r, s + 1), at(r + 1, s)], [at(r + 1, s), at(r, s + 1), at(r + 1, s + 1)]]);
+        }
+    }
+    ((0..2 + rings * sides).map(point).collect(), triangles)
+}
+
+/// Cuts at the guard band and rounding leave no crack: from within, every ray of every face ends at the hull.
+#[test]
+fn a_lamp_within_a_hull_sees_no_crack() {
+    for seed in 0..12u32 {
+        let hull = if seed % 3 == 0 { cuboid([0.1, -0.2, 0.05], [0.9, 0.7, 1.1], f64::from(seed)) } else { ball(seed) };
+        let place = DAffine3::from_scale(DVec3::new(1.0, 1.0 + f64::from(seed) * 0.3, 0.8));
+        let scene = scene(vec![hull], place);
+        let position = [0.05 * f64::from(seed % 5) - 0.1, 0.1, -0.07 * f64::from(seed % 4)];
+        for (light, near_m) in [(lamp(position, 50.0), 0.002), (spot(position, [0.2, 1.0, -0.3], 80.0, 50.0), 0.002)] {
+            let options = BakeOptions { near_m: Some(near_m), ..options(Interior::Open, 256, 1) };
+            let checked = bake_for_check(&scene, &light, &options);
+            for face in 0..6 {
+                let lit = (0..256 * 256).filter(|i| checked.light().is_lit(face, [i % 256, i / 256, 255])).count();
+                assert_eq!(lit, 0, "seed {seed}, face {face}: rays pass through the hull");
+            }
+        }
+    }
+}
+
+/// The same at the near plane: what a closed hull loses before it, its own far side shows to every ray exactly once, for
+/// neighbours agree on the cuts.
+#[test]
+fn near_cuts_of_neighbours_agree() {
+    for seed in 0..6u32 {
+        let scene = scene(vec![ball(seed)], DAffine3::IDENTITY);
+        // The near planes cut the ball on all sides: a ray meets either nothing behind them or the ball once.
+        let options = BakeOptions { near_m: Some(0.75), ..options(Interior::Open, 256, 1) };
+        let checked = bake_for_check(&scene, &lamp([0.02, 0.03, -0.01], 50.0), &options);
+        for face in 0..6 {
+            let triangles = &checked.faces[face].triangles;
+            let resolution = checked.resolution();
+            let covers = |t: &antumbra_bake::light_space::LatticeTriangle, p: [i64; 2]| {
+                let area = t.doubled_area();
+                area != 0
+                    && (0..3).all(|i| {
+                        let (a, b) = ((i + 1) % 3, (i + 2) % 3);
+                        let [ax, ay, bx, by] = [t.x[a], t.y[a], t.x[b], t.y[b]].map(i64::from);
+                        let side = (bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax);
+                        let moved = [side, -(by - ay), bx - ax].into_iter().find(|v| *v != 0).unwrap_or(0);
+                        (moved > 0) == (area > 0)
+                    })
+            };
+            for i in (0..256u32 * 256).step_by(5) {
+                let p = [i % 256, i / 256].map(|c| resolution.texel_center(c));
+                let times = triangles.iter().filter(|t| covers(t, p)).count();
+                assert!(times <= 1, "seed {seed}, face {face}, texel {i}: covered {times} times");
+            }
+        }
+    }
+}
