@@ -1,8 +1,8 @@
 //! Exact, compact, precomputed shadows: the runtime.
 //!
 //! A `.antumbra` file answers one question for any point of a scene: *does this light reach it?* This crate reads and
-//! validates such files and answers point lookups and percentage-closer filtering (PCF) on the CPU. It is what a game
-//! ships: no unsafe code, no I/O, `no_std` with `alloc` when the `std` feature is off.
+//! validates such files and answers point lookups, segment lookups and percentage-closer filtering (PCF) on the CPU. It is
+//! what a game ships: no unsafe code, no I/O, `no_std` with `alloc` when the `std` feature is off.
 //!
 //! ```no_run
 //! use antumbra::{Filter, ShadowFile};
@@ -40,3 +40,4 @@ pub use lookup::filter::{Filter, Kernel};
 pub use lookup::light::LightShadow;
 pub use lookup::prefilter::Prefilter;
 pub use lookup::project::{FACE_BORDER, FacePoint, VoxelFrame};
+pub use lookup::segment::{Run, Segment};

@@ -14,4 +14,6 @@ pub(crate) mod pcf;
 pub(crate) mod point;
 pub mod prefilter;
 pub mod project;
+pub mod segment;
 pub(crate) mod top_grid;
+pub(crate) mod walk;

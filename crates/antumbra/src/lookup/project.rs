@@ -13,6 +13,8 @@
 //! A spot light has face 4 alone (along c), stored as its first; a wide one has all six, as a point light has. A cube's
 //! faces reach [`FACE_BORDER`] texels beyond its edges, so that a filter never leaves the grid of its middle.
 
+pub(crate) mod line;
+
 use glam::DVec3;
 
 use crate::format::light::DepthDistribution;
@@ -115,7 +117,10 @@ impl Projection {
     }
 
     fn rotated(&self, world: DVec3) -> DVec3 {
-        let offset = world - self.origin;
+        self.rotated_offset(world - self.origin)
+    }
+
+    fn rotated_offset(&self, offset: DVec3) -> DVec3 {
         DVec3::new(self.rows[0].dot(offset), self.rows[1].dot(offset), self.rows[2].dot(offset))
     }
 
@@ -244,21 +249,31 @@ impl Local {
     #[inline]
     fn project(&self, p: DVec3, side: f64) -> FacePoint {
         let face = if self.is_cube { cube_face(p) } else { SPOT_FACE };
-        let p = on_face(p, face);
-        let face = if self.is_cube { face } else { 0 };
+        let voxel = self.voxel(on_face(p, face), side);
+        FacePoint { face: if self.is_cube { face } else { 0 }, voxel }
+    }
+
+    /// Voxel coordinates of a point in the axes of its face.
+    #[inline]
+    fn voxel(&self, p: DVec3, side: f64) -> DVec3 {
         let middle = 0.5 * side;
         if p.z.is_nan() || p.z < self.near_m {
-            return FacePoint { face, voxel: DVec3::new(middle, middle, -1.0) };
+            return DVec3::new(middle, middle, -1.0);
         }
-        let along = if self.is_ndc {
-            (1.0 - self.near_m / p.z) / (1.0 - self.near_share)
-        } else {
-            (libm::log(p.z) - self.log_near) / self.log_ratio
-        };
         let per_metre = self.scale / p.z;
+        DVec3::new(p.x * per_metre + middle, p.y * per_metre + middle, self.slice(p.z, side))
+    }
+
+    /// Real-valued slice of a depth that is not before the near distance.
+    #[inline]
+    fn slice(&self, depth_m: f64, side: f64) -> f64 {
+        let along = if self.is_ndc {
+            (1.0 - self.near_m / depth_m) / (1.0 - self.near_share)
+        } else {
+            (libm::log(depth_m) - self.log_near) / self.log_ratio
+        };
         // The first slice begins at the near distance itself, whatever a logarithm's last digit says.
-        let z = (along * side).max(0.0);
-        FacePoint { face, voxel: DVec3::new(p.x * per_metre + middle, p.y * per_metre + middle, z) }
+        (along * side).max(0.0)
     }
 }
 
