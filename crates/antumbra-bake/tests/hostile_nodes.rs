@@ -151,3 +151,91 @@ fn doubled_and_homogeneous_nodes_are_not_canonical() {
     let error = canonical::check(&unreachable).unwrap_err().to_string();
     assert!(error.contains("no light reaches"), "{error}");
 }
+
+/// A light of 128 texels, one coarse level, and cells of enter depths.
+fn with_sections(levels: Option<&[u32]>, enters: Option<&[u8]>) -> Result<ShadowFile, FormatError> {
+    let (pool, root) = chain(4);
+    let records = [record(root, 7)];
+    let mut contents = Contents::new(&records, "", &pool, BakeStats::default());
+    contents.levels = levels;
+    contents.enters = enters;
+    ShadowFile::from_bytes(&write(&contents))
+}
+
+#[test]
+fn coarse_levels_must_fit() {
+    let (_, root) = chain(3);
+    let file = with_sections(Some(&[root]), None).unwrap();
+    let light = file.lights().next().unwrap();
+    assert!(light.has_levels() && light.is_lit_on_level(1, 0, [0, 0, 0]));
+    let (_, own) = chain(4);
+    for wrong in [&[][..], &[own], &[root, root], &[7], &[u32::MAX], &[root + 1]] {
+        assert!(with_sections(Some(wrong), None).is_err(), "{wrong:?} was accepted");
+    }
+}
+
+#[test]
+fn enter_depths_must_fit() {
+    // Two cells per side.
+    let cells =
+        |log2: u32, shift: u32, bytes: usize| [&log2.to_le_bytes()[..], &shift.to_le_bytes(), &vec![5; bytes]].concat();
+    let file = with_sections(None, Some(&cells(1, 0, 16))).unwrap();
+    let light = file.lights().next().unwrap();
+    assert_eq!(light.enter_bounds(0, [100, 3]), Some([0x0505; 2]));
+    // A depth behind the last slice is nobody's blocker, wherever one asks.
+    for x in [-1e9, 0.0, 63.9, 127.0, f64::NAN, f64::INFINITY] {
+        for radius in [0.0, 3.0, 1e9, f64::NAN, f64::INFINITY] {
+            let _ = light.blocker(glam::DVec3::new(x, 1.0, x), radius);
+        }
+    }
+    for wrong in [
+        vec![],
+        vec![0; 7],
+        cells(1, 0, 12),
+        cells(1, 0, 20),
+        cells(5, 0, 4096),
+        cells(9, 0, 16),
+        cells(31, 0, 16),
+        cells(u32::MAX, 0, 16),
+        cells(1, 9, 16),
+        cells(1, u32::MAX, 16),
+    ] {
+        assert!(with_sections(None, Some(&wrong)).is_err(), "{} bytes were accepted", wrong.len());
+    }
+}
+
+#[test]
+fn local_lights_must_make_sense() {
+    type Change = fn(&mut LightRecord);
+    let lamp = || LightRecord {
+        kind: 2,
+        slice_size_m: 0.0,
+        near_m: 0.01,
+        far_m: 10.0,
+        faces: 6,
+        depth: 1,
+        texels_per_tangent: 24.0,
+        linear: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        ..record(1, 6)
+    };
+    assert!(file(&[lamp()], &[0; 8]).is_ok());
+    let wrong: [(&str, Change); 12] = [
+        ("a lamp with one face", |r| r.faces = 1),
+        ("a lamp without faces", |r| r.faces = 0),
+        ("a lamp with many faces", |r| r.faces = 7),
+        ("a spot with two faces", |r| (r.kind, r.faces) = (1, 2)),
+        ("even slices", |r| r.depth = 0),
+        ("unknown slices", |r| r.depth = 3),
+        ("no near distance", |r| r.near_m = 0.0),
+        ("a near distance behind the far one", |r| r.near_m = 11.0),
+        ("no far distance", |r| r.far_m = f64::NAN),
+        ("no tangent", |r| r.texels_per_tangent = 0.0),
+        ("an endless tangent", |r| r.texels_per_tangent = f64::INFINITY),
+        ("a cone that is none", |r| r.cone_cosine = 1.5),
+    ];
+    for (what, change) in wrong {
+        let mut record = lamp();
+        change(&mut record);
+        assert!(file(&[record], &[0; 8]).is_err(), "{what} was accepted");
+    }
+}

@@ -12,10 +12,10 @@ use super::light::{LightRecord, MIN_LOG2_RESOLUTION};
 use super::section::{Entry, REQUIRED, read_table};
 use super::stat::BakeStats;
 use super::{ENTERS, LEVELS, MAX_LIGHTS};
-use crate::FormatError;
 use crate::lookup::light::LightShadow;
 use crate::lookup::project::Projection;
 use crate::lookup::top_grid::{self, TopGrid};
+use crate::{FormatError, LightKind};
 
 /// A validated `.antumbra` file: after [`ShadowFile::from_bytes`] no lookup can fail or read outside.
 #[derive(Clone, Debug)]
@@ -37,7 +37,8 @@ pub struct ShadowFile {
 
 impl ShadowFile {
     /// Reads and validates a whole file: checksums, ranges, node kinds, no cycles. Linear in the file's size; copies
-    /// the node pool once and makes a top grid for each light that is not homogeneous (128 KiB at N >= 256).
+    /// the node pool once and makes a top grid for each face that is not homogeneous (128 KiB at N >= 256, 16 KiB for
+    /// each face of a cube, up to as much again for each coarse level).
     ///
     /// # Errors
     /// [`FormatError`], which says what is wrong and what to do. Hostile bytes give an error, never a panic.
@@ -123,7 +124,9 @@ impl ShadowFile {
 
 const KNOWN: [&[u8; 4]; 4] = [b"LGTS", b"NAME", b"DAG8", b"STAT"];
 
-/// log2 of the most cells per side of a coarse level's grids: a local light has many.
+/// log2 of the most cells per side of a cube's faces: 16 KiB each instead of 128, for a lamp has six.
+const CUBE_CELLS: u32 = 4;
+/// The same of a local light's coarse levels, of which there are many.
 const LOCAL_LEVEL_CELLS: u32 = 3;
 
 /// Makes top grids: one for all faces and levels with the same root, small ones where a face is homogeneous.
@@ -140,11 +143,13 @@ impl Grids<'_> {
 
     fn of_light(&mut self, record: &LightRecord) -> Vec<Arc<TopGrid>> {
         let log2 = record.log2_resolution;
-        record.face_roots().iter().map(|root| self.grid(*root, log2, top_grid::MAX_LOG2_CELLS)).collect()
+        let most = if record.faces == 1 { top_grid::MAX_LOG2_CELLS } else { CUBE_CELLS };
+        record.face_roots().iter().map(|root| self.grid(*root, log2, most)).collect()
     }
 
     fn of_levels(&mut self, record: &LightRecord, levels: &[Vec<u32>]) -> Vec<Vec<Arc<TopGrid>>> {
-        let most = if record.faces == 1 { top_grid::MAX_LOG2_CELLS } else { LOCAL_LEVEL_CELLS };
+        let is_local = record.light_kind() != Some(LightKind::Directional);
+        let most = if is_local { LOCAL_LEVEL_CELLS } else { top_grid::MAX_LOG2_CELLS };
         let of_level = |(i, roots): (usize, &Vec<u32>)| {
             let log2 = record.log2_resolution - 1 - i as u32;
             roots.iter().map(|root| self.grid(*root, log2, most)).collect()

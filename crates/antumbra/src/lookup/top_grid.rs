@@ -9,8 +9,8 @@ use crate::format::dag8::{SHADOWED, SLICE_LEVEL};
 /// log2 of the cells per side, where the light is large enough.
 pub(crate) const MAX_LOG2_CELLS: u32 = 5;
 
-/// References to the nodes at the level with min(32, N/8) nodes per side, x fastest, z slowest: 128 KiB at N >= 256.
-/// A homogeneous light has a single cell.
+/// References to the nodes at the level with min(32, N/8) nodes per side (or fewer, where many grids are made), x fastest,
+/// z slowest: 128 KiB at N >= 256. A homogeneous face has a single cell.
 #[derive(Clone, Debug)]
 pub(crate) struct TopGrid {
     cells: Vec<u32>,
