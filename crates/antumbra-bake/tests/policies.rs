@@ -4,6 +4,8 @@
 
 mod common;
 
+use std::f64::consts::{PI, TAU};
+
 use antumbra::{DepthDistribution, Interior};
 use antumbra_bake::BakeOptions;
 use antumbra_scene::{AlphaMode, Image, Light, Material, Scene, TextureRef, Wrap};
@@ -225,7 +227,7 @@ fn ball(seed: u32) -> TestMesh {
             return [0.0, if i == 0 { 1.1 } else { -0.9 }, 0.0];
         }
         let (ring, side) = ((i - 2) / sides, (i - 2) % sides);
-        let (a, b) = (f64::from(ring + 1) / f64::from(rings + 1) * 3.1415, f64::from(side) / f64::from(sides) * 6.2831);
+        let (a, b) = (f64::from(ring + 1) / f64::from(rings + 1) * PI, f64::from(side) / f64::from(sides) * TAU);
         [a.sin() * b.cos(), a.cos(), a.sin() * b.sin()].map(|c| (c * noise(i)) as f32)
     };
     let at = |ring: u32, side: u32| 2 + ring * sides + side % sides;

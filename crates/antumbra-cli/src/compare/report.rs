@@ -17,29 +17,21 @@ impl Comparison {
         }
         let tables = self.lights.iter().flat_map(|light| {
             let name = printable(&light.name);
-            let kinds = [
-                (&light.air, "in the air"),
-                (&light.surfaces, "on surfaces"),
-                (&light.off_surfaces, "on surfaces, moved off them as a filtered lookup is"),
-            ];
-            kinds.map(|(tally, place)| tally.table().text(&format!("{name}, {place}")))
+            light.kinds().map(|(tally, place)| tally.table().text(&format!("{name}, {place}")))
         });
         tables.collect::<String>() + &self.verdict() + "\n"
     }
 
     /// All lights together, kind by kind of points, and those that are not as they should be.
     fn summary(&self) -> String {
-        let kinds: [(&str, fn(&LightComparison) -> &Tally); 3] = [
-            ("in the air", |light| &light.air),
-            ("on surfaces", |light| &light.surfaces),
-            ("on surfaces, moved off them as a filtered lookup is", |light| &light.off_surfaces),
-        ];
         let lights = count(self.lights.len() as u64);
-        let tables = kinds.map(|(place, tally)| {
-            let all = self.lights.iter().map(|light| tally(light).clone()).fold(Tally::default(), Tally::merge);
+        let tables = [0, 1, 2].map(|kind| {
+            let of_kind = self.lights.iter().map(|light| light.kinds()[kind].0.clone());
+            let all = of_kind.fold(Tally::default(), Tally::merge);
+            let place = self.lights[0].kinds()[kind].1;
             all.table().text(&format!("{lights} lights, {place}"))
         });
-        let wrong = self.lights.iter().filter(|l| [&l.air, &l.surfaces, &l.off_surfaces].iter().any(|t| t.too_far > 0));
+        let wrong = self.lights.iter().filter(|light| light.kinds().iter().any(|(tally, _)| tally.too_far > 0));
         let names: Vec<String> = wrong.map(|light| printable(&light.name)).collect();
         let wrong =
             if names.is_empty() { String::new() } else { format!("not as they should be: {}\n", names.join(", ")) };
@@ -90,6 +82,15 @@ impl Comparison {
 }
 
 impl LightComparison {
+    /// Its tallies, each with where its points lie.
+    fn kinds(&self) -> [(&Tally, &'static str); 3] {
+        [
+            (&self.air, "in the air"),
+            (&self.surfaces, "on surfaces"),
+            (&self.off_surfaces, "on surfaces, moved off them as a filtered lookup is"),
+        ]
+    }
+
     fn json(&self) -> Value {
         json!({
             "name": self.name,
