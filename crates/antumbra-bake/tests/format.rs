@@ -141,6 +141,9 @@ proptest! {
                 let _ = light.is_lit(0, voxel);
                 let _ = light.voxel_filtered(FacePoint { face: 0, voxel: DVec3::from_array(voxel.map(f64::from)) }, filter);
             }
+            for end in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_ONE] {
+                let _ = light.lit_share(light.origin_world() - end * 9.0, light.origin_world() + end * 9.0);
+            }
         }
     }
 
@@ -153,6 +156,7 @@ proptest! {
         if let Ok(file) = ShadowFile::from_bytes(&bytes) {
             for light in file.lights() {
                 let _ = light.visibility(DVec3::from_array(point));
+                let _ = light.lit_share(DVec3::from_array(point), -DVec3::from_array(point));
                 let _ = light.filtered(DVec3::from_array(point), Some(DVec3::Y), Filter::new_tent(9).unwrap());
             }
         }

@@ -2,6 +2,10 @@
 //!
 //! *points* is many at a time, the other columns one after the other. Points lie near surfaces, where lookups descend deepest. *Random* takes them in shuffled order, *coherent* in a
 //! picture's scan order. Each figure is the best of several passes, so that other work on the machine weighs less.
+//!
+//! `--segments` measures segments from the camera to those points instead, beside marching.
+
+mod segments;
 
 mod prefilter;
 
@@ -32,6 +36,9 @@ struct Args {
     /// Measure prefiltered lookups by the width of their footprint, beside lookups at full depth.
     #[arg(long)]
     prefilter: bool,
+    /// Measure this many segment lookups instead.
+    #[arg(long, value_name = "COUNT")]
+    segments: Option<usize>,
 }
 
 fn main() -> Result<()> {
@@ -44,15 +51,23 @@ fn main() -> Result<()> {
         println!("{}", prefilter::HEADER);
         return args.scenes.iter().try_for_each(|name| prefilter::measure(name, &args));
     }
+    if args.segments.is_some() {
+        segments::print_head(args.resolution);
+    } else {
+        print_head(&args);
+    }
+    for name in &args.scenes {
+        measure_scene(name, &args).with_context(|| format!("measuring {name}"))?;
+    }
+    Ok(())
+}
+
+fn print_head(args: &Args) {
     println!("Millions per second on one thread, bake at {}, {} points near surfaces.\n", args.resolution, args.points);
     println!(
         "| scene | order | points | point | 3x3 box | 9x9 box | 9x9 tent | 17x17 tent | shadow ray | point : ray | point : 9x9 |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    for name in &args.scenes {
-        measure_scene(name, &args).with_context(|| format!("measuring {name}"))?;
-    }
-    Ok(())
 }
 
 fn measure_scene(name: &str, args: &Args) -> Result<()> {
@@ -65,10 +80,15 @@ fn measure_scene(name: &str, args: &Args) -> Result<()> {
     let shadow = file.lights().next().context("the bake has no light")?;
     let tracer = Tracer::new(&scene, |node, _| !node.dynamic);
     let lift_m = 2.0 * shadow.record().texel_size_m;
-    let coherent = scan_order_points(&scene, &tracer, args.points, lift_m)?;
+    let coherent = scan_order_points(&scene, &tracer, args.segments.unwrap_or(args.points), lift_m)?;
     let mut random = coherent.clone();
     shuffle(&mut random);
     for (order, points) in [("random", &random), ("coherent", &coherent)] {
+        if args.segments.is_some() {
+            let eye = scene.cameras.first().context("the scene has no camera")?.eye_world;
+            segments::print_row(&scene.name, order, eye, points, shadow);
+            continue;
+        }
         print_row(&scene.name, order, points, shadow, &tracer)?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! `antumbra query`: how much of a light reaches given points.
+//! `antumbra query`: how much of a light reaches given points or segments.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -16,12 +16,14 @@ use crate::progress::Progress;
 use crate::table::count;
 use crate::{describe, inputs, lights, npy};
 
-/// Looks up how much of a light reaches given points: 0 = shadowed to 1 = lit.
+/// Looks up how much of a light reaches given points, or ways between points: 0 = shadowed to 1 = lit.
 ///
 /// Outside the light's volume sideways or before it: lit; behind its last slice: as the last slice; outside a spot light's
-/// cone: 0. Points that are not finite are lit.
+/// cone: 0. Points that are not finite are lit. With --to each value is the lit share of the straight way from a point to
+/// its end: exact, not sampled.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  antumbra query city.antumbra --light sun --points p.npy -o v.npy")]
+#[command(after_help = "Example:\n  antumbra query city.antumbra --light sun --points p.npy -o v.npy\n  \
+antumbra query city.antumbra --light sun --points eyes.npy --to surfaces.npy -o shafts.npy")]
 pub struct Args {
     /// The shadow file
     file: PathBuf,
@@ -34,6 +36,12 @@ pub struct Args {
     /// Unit normals of the points' surfaces, of the same shape: lookups then move off the surface, just far enough
     #[arg(long, value_name = "N.npy")]
     normals: Option<PathBuf>,
+    /// Ends of segments that begin at the points, of the same shape: values then are the segments' lit shares
+    ///
+    /// A segment of no length, or with an end that is not finite, is as lit as its point. Multiply a share by its segment's
+    /// length for the lit length.
+    #[arg(long, value_name = "T.npy", conflicts_with_all = ["normals", "filter", "lod", "footprint", "blocker"])]
+    to: Option<PathBuf>,
     #[command(flatten)]
     filter: FilterArgs,
     /// Level of detail: the mean over voxels of 2^L to a side; with --prefilter levels, filtered on levels of that
@@ -123,16 +131,21 @@ pub fn run(args: &Args) -> Result<()> {
     let (file, _) = inputs::shadows(&args.file)?;
     let light = inputs::light(&file, &args.file, &args.light)?;
     let points = read(&args.points)?;
-    let normals = read_normals(args, points.len())?;
-    output::warn(&lights::policy_warnings(light, "points anywhere"));
+    let normals = read_for_each(args, args.normals.as_deref(), "normals", points.len())?;
+    let ends = read_for_each(args, args.to.as_deref(), "ends", points.len())?;
+    let what = if ends.is_some() { "ways through the air" } else { "points anywhere" };
+    output::warn(&lights::policy_warnings(light, what));
     let pool = args.run.pool()?;
-    progress.count("looking up", points.len() as u64, "points");
+    progress.count("looking up", points.len() as u64, asked(args));
     if let Some(radius_m) = args.blocker {
         return find_blockers(args, light, &points, radius_m, &pool, progress, &output);
     }
     let question = Question::new(args, light)?;
     let start = Instant::now();
-    let values = pool.install(|| look_up(light, &points, normals.as_deref(), question));
+    let values = pool.install(|| match &ends {
+        Some(ends) => lit_shares(light, &points, ends),
+        None => look_up(light, &points, normals.as_deref(), question),
+    });
     let seconds = start.elapsed().as_secs_f64();
     progress.stage("writing");
     output.write(&npy::write_values(&values)?)?;
@@ -170,18 +183,28 @@ fn read(path: &Path) -> Result<Vec<DVec3>> {
     npy::read_points(&inputs::file(path)?).with_context(|| format!("{} cannot be used", path.display()))
 }
 
-fn read_normals(args: &Args, points: usize) -> Result<Option<Vec<DVec3>>> {
-    let Some(path) = &args.normals else { return Ok(None) };
-    let normals = read(path)?;
-    if normals.len() != points {
+/// What a value is asked for.
+fn asked(args: &Args) -> &'static str {
+    if args.to.is_some() { "segments" } else { "points" }
+}
+
+/// Reads an array that must hold a vector for each point.
+fn read_for_each(args: &Args, path: Option<&Path>, what: &str, points: usize) -> Result<Option<Vec<DVec3>>> {
+    let Some(path) = path else { return Ok(None) };
+    let vectors = read(path)?;
+    if vectors.len() != points {
         bail!(
-            "{} has {} normals for the {points} points of {}; give one for each",
+            "{} has {} {what} for the {points} points of {}; give one for each",
             path.display(),
-            normals.len(),
+            vectors.len(),
             args.points.display()
         );
     }
-    Ok(Some(normals))
+    Ok(Some(vectors))
+}
+
+fn lit_shares(light: LightShadow<'_>, from: &[DVec3], to: &[DVec3]) -> Vec<f32> {
+    from.par_iter().zip(to).with_min_len(TASK / 64).map(|(from, to)| light.lit_share(*from, *to) as f32).collect()
 }
 
 fn look_up(light: LightShadow<'_>, points: &[DVec3], normals: Option<&[DVec3]>, question: Question) -> Vec<f32> {
@@ -207,7 +230,7 @@ fn report(args: &Args, values: &[f32], seconds: f64, threads: usize) -> Result<(
     let rate = points as f64 / seconds.max(1e-9);
     if args.json {
         return describe::print(&json!({
-            "points": points,
+            (asked(args)): points,
             "lookups_per_second": rate,
             "threads": threads,
             "seconds": seconds,
@@ -218,9 +241,10 @@ fn report(args: &Args, values: &[f32], seconds: f64, threads: usize) -> Result<(
         return Ok(());
     }
     output::print(&format!(
-        "{}: {} points, {:.1} % lit, {:.2} million lookups/s on {threads} thread(s)\n",
+        "{}: {} {}, {:.1} % lit, {:.2} million lookups/s on {threads} thread(s)\n",
         args.output.display(),
         count(points),
+        asked(args),
         100.0 * mean(values).unwrap_or(0.0),
         rate * 1e-6,
     ))

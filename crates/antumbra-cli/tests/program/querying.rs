@@ -102,6 +102,39 @@ fn answers_are_the_runtimes_own() {
 }
 
 #[test]
+fn segments_give_their_lit_shares() {
+    let folder = folder();
+    let (points, mut ends) = (points(), points());
+    ends.rotate_right(777);
+    write_points(&folder.path().join("p.npy"), &points);
+    write_points(&folder.path().join("t.npy"), &ends);
+    let bytes = fs::read(&arguments(folder.path(), "{baked}")[0]).expect("a bake");
+    let file = ShadowFile::from_bytes(&bytes).expect("a sound bake");
+    let sun = file.light("sun").expect("a sun");
+    let line = "query {baked} --light sun --points {p.npy} --to {t.npy} -o {v.npy}";
+    let told = run(folder.path(), &format!("{line} --json")).json();
+    assert_eq!((&told["segments"], told.get("points")), (&5003.into(), None));
+    let values = read_values(&folder.path().join("v.npy"));
+    assert_eq!(values.len(), points.len());
+    // Marching misses each end of a shadow by less than its step.
+    let samples = 2000;
+    for i in (0..5000).step_by(50) {
+        let (from, to) = (points[i], ends[i]);
+        let at = |s: i32| from + (to - from) * ((f64::from(s) + 0.5) / f64::from(samples));
+        let lit: f32 = (0..samples).map(|s| sun.visibility(at(s))).sum();
+        let runs = if from.is_finite() && to.is_finite() { sun.segment(from, to).count() } else { 0 };
+        let error = (lit / samples as f32 - values[i]).abs();
+        assert!(error <= (runs + 1) as f32 / samples as f32, "segment {i}: off by {error} with {runs} runs");
+    }
+    assert!(values.iter().any(|v| *v > 0.0 && *v < 1.0));
+    write_points(&folder.path().join("t.npy"), &ends[1..]);
+    run(folder.path(), line).fails(&["5002 ends for the 5003 points"]);
+    for conflict in ["--normals {p.npy}", "--filter 3", "--lod 1"] {
+        run(folder.path(), &format!("{line} {conflict}")).misused("cannot be used with");
+    }
+}
+
+#[test]
 fn json_tells_the_rate() {
     let folder = folder();
     write_points(&folder.path().join("p.npy"), &points());
