@@ -22,8 +22,7 @@ use crate::{describe, inputs, lights, npy};
 /// cone: 0. Points that are not finite are lit. With --to each value is the lit share of the straight way from a point to
 /// its end: exact, not sampled.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  antumbra query city.antumbra --light sun --points p.npy -o v.npy\n  \
-antumbra query city.antumbra --light sun --points eyes.npy --to surfaces.npy -o shafts.npy")]
+#[command(after_help = "Example:\n  antumbra query city.antumbra --light sun --points p.npy -o v.npy")]
 pub struct Args {
     /// The shadow file
     file: PathBuf,

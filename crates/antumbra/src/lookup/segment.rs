@@ -1,7 +1,7 @@
 //! Segment lookups: which parts of a straight way are lit, for shafts of light through air.
 //!
 //! A segment is cut where it passes from one face of the light to another or through a spot light's cone
-//! ([`super::project::line`]); each leg then walks through the homogeneous boxes of its face's graph ([`super::walk`]).
+//! (`project/line.rs`); each leg then walks through the homogeneous boxes of its face's graph (`walk.rs`).
 //! The graph is that of Sintorn, Kämpe, Olsson, Assarsson 2014, *Compact precomputed voxelized shadows*; they look up
 //! single points along a view ray, as many as samples are taken. Here the answer is exact, and a box that is all lit or all
 //! shadowed costs one step, however long the way through it.

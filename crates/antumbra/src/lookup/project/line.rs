@@ -136,11 +136,11 @@ impl Local {
             let slope = line.step.z - self.cone_cosine * p.dot(line.step) / p.length();
             let next = t - beyond(p) / slope;
             // Towards the other half of the double cone and at its apex the method leads nowhere.
-            if beyond(line.at(next)).abs() < beyond(p).abs() {
-                t = next;
-            } else {
+            let is_nearer = beyond(line.at(next)).abs() < beyond(p).abs();
+            if !is_nearer {
                 break;
             }
+            t = next;
         }
         t
     }
