@@ -11,7 +11,7 @@
 mod edge;
 mod ground;
 mod report;
-mod sampling;
+pub mod sampling;
 
 use antumbra::{LightShadow, ShadowFile};
 use antumbra_bake::{Blend, Inverted};
