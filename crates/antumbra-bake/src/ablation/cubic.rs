@@ -26,6 +26,7 @@ pub struct LeafPool {
     pool: Vec<u32>,
     leaves: Leaves,
     leaf_count: u64,
+    last_node: u32,
 }
 
 /// What a filter's window reads below the blocks that it touches.
@@ -46,8 +47,10 @@ impl LeafPool {
     /// # Errors
     /// [`FormatError`] if its parts do not fill it.
     pub fn flat(pool: &[u32]) -> Result<Self, FormatError> {
-        let masks = dag8::layout(pool)?.slices - POOL_HEADER_WORDS;
-        Ok(Self { pool: pool.to_vec(), leaves: Leaves::Flat, leaf_count: masks as u64 / 2 })
+        let layout = dag8::layout(pool)?;
+        let masks = layout.slices - POOL_HEADER_WORDS;
+        let last_node = nodes(pool, layout.inner, layout.end).last().unwrap_or(LIT);
+        Ok(Self { pool: pool.to_vec(), leaves: Leaves::Flat, leaf_count: masks as u64 / 2, last_node })
     }
 
     /// The pool of a validated file, rewritten.
@@ -70,8 +73,10 @@ impl LeafPool {
             push_node(&mut pool, flat[at as usize], children);
         }
         let inner_at = pool.len();
+        let mut last_node = LIT;
         for at in nodes(flat, layout.inner, layout.end) {
-            moved.insert(at, pool.len() as u32);
+            last_node = pool.len() as u32;
+            moved.insert(at, last_node);
             let children = core::array::from_fn(|i| match child(flat, at, i as u32) {
                 homogeneous @ (LIT | SHADOWED) => homogeneous,
                 reference => moved[&reference],
@@ -80,7 +85,7 @@ impl LeafPool {
         }
         let parts = [blocks_at - POOL_HEADER_WORDS, inner_at - blocks_at, pool.len() - inner_at];
         pool[..3].copy_from_slice(&parts.map(|words| words as u32));
-        Ok(Self { pool, leaves: Leaves::Cubic, leaf_count: leaves.order.len() as u64 })
+        Ok(Self { pool, leaves: Leaves::Cubic, leaf_count: leaves.order.len() as u64, last_node })
     }
 
     /// Bytes of all nodes, without the pool's header.
@@ -101,11 +106,10 @@ impl LeafPool {
         self.leaf_count
     }
 
-    /// The reference of the flat pool's last node in this one: of a pool with one root, the root's.
+    /// The last node's reference: the root's, in a pool with one root that is not homogeneous.
     #[must_use]
     pub fn last_node(&self) -> u32 {
-        let inner = POOL_HEADER_WORDS as u32 + self.pool[0] + self.pool[1];
-        nodes(&self.pool, inner as usize, self.pool.len()).last().unwrap_or(LIT)
+        self.last_node
     }
 
     /// Whether a voxel is lit, below a root with 2^log2 voxels per side.

@@ -35,7 +35,8 @@ const COLUMNS: &[Column] = &[
 const ABOUT: &str = "A finished bake's pool, and the same volume with 64-bit leaves of 4 x 4 x 4 voxels, eight below each block of \
 8 x 8 x 8, hash-consed. Reads: distinct leaves that a filter's window touches, mean over random points of surfaces that face the \
 light, moved off as a filtered lookup moves them, whose window touches a leaf in either layout. Sectors: aligned 32 bytes that hold \
-what is read of those leaves and of the blocks above them (what lies above the blocks is the same in both). Every pair was checked to \
+what is read of those leaves and of the blocks above them (what lies above the blocks is the same in both). A 9 x 9 window \
+lies over the places of 4 flat or 9 cubic leaves on average, a 17 x 17 one over 9 or 25; homogeneous ones take no read. Every pair was checked to \
 hold the same bits at random voxels. Sintorn et al. 2014 chose flat leaves because a filter's taps share their depth.";
 
 const LARGEST: u32 = 4096;
@@ -60,30 +61,7 @@ pub fn rows(subject: &Subject, sun: &Light, wish: &Wish) -> Result<Vec<Row>> {
             let light = file.lights().next().context("the bake has no light")?;
             let pools = Pools { flat: LeafPool::flat(file.pool())?, cubic: LeafPool::cubic(file.pool())?, light };
             pools.check()?;
-            let [reads9, reads17] = [9, 17].map(|taps| pools.mean_reads(&points, taps));
-            let ([flat9, cubic9, share9], [flat17, cubic17, share17]) = (reads9?, reads17?);
-            rows.push(row(json!({
-                "scene": subject.name,
-                "ablation": "leaves",
-                "light": sun.name,
-                "interior": interior.name(),
-                "resolution": resolution.texels(),
-                "flat_bytes": pools.flat.bytes(),
-                "cubic_bytes": pools.cubic.bytes(),
-                "bytes_ratio": ratio(pools.cubic.bytes(), pools.flat.bytes()),
-                "flat_leaves": pools.flat.leaf_count(),
-                "cubic_leaves": pools.cubic.leaf_count(),
-                "pcf9_windows_share": share9.0,
-                "pcf9_flat_reads": flat9.0,
-                "pcf9_cubic_reads": cubic9.0,
-                "pcf9_flat_sectors": flat9.1,
-                "pcf9_cubic_sectors": cubic9.1,
-                "pcf17_windows_share": share17.0,
-                "pcf17_flat_reads": flat17.0,
-                "pcf17_cubic_reads": cubic17.0,
-                "pcf17_flat_sectors": flat17.1,
-                "pcf17_cubic_sectors": cubic17.1,
-            })));
+            rows.push(pools.row(subject, &points)?);
         }
     }
     Ok(rows)
@@ -103,9 +81,42 @@ struct Pools<'a> {
     light: LightShadow<'a>,
 }
 
+/// What windows that touch a leaf read, flat and cubic, and how many of all windows do.
+struct MeanReads {
+    windows_share: f64,
+    leaves: [f64; 2],
+    sectors: [f64; 2],
+}
+
 impl Pools<'_> {
     fn log2(&self) -> u32 {
         self.light.record().log2_resolution
+    }
+
+    fn row(&self, subject: &Subject, points: &[(DVec3, DVec3)]) -> Result<Row> {
+        let (nine, seventeen) = (self.mean_reads(points, 9)?, self.mean_reads(points, 17)?);
+        Ok(row(json!({
+            "scene": subject.name,
+            "ablation": "leaves",
+            "light": self.light.name(),
+            "interior": self.light.interior().name(),
+            "resolution": self.light.record().resolution(),
+            "flat_bytes": self.flat.bytes(),
+            "cubic_bytes": self.cubic.bytes(),
+            "bytes_ratio": ratio(self.cubic.bytes(), self.flat.bytes()),
+            "flat_leaves": self.flat.leaf_count(),
+            "cubic_leaves": self.cubic.leaf_count(),
+            "pcf9_windows_share": nine.windows_share,
+            "pcf9_flat_reads": nine.leaves[0],
+            "pcf9_cubic_reads": nine.leaves[1],
+            "pcf9_flat_sectors": nine.sectors[0],
+            "pcf9_cubic_sectors": nine.sectors[1],
+            "pcf17_windows_share": seventeen.windows_share,
+            "pcf17_flat_reads": seventeen.leaves[0],
+            "pcf17_cubic_reads": seventeen.leaves[1],
+            "pcf17_flat_sectors": seventeen.sectors[0],
+            "pcf17_cubic_sectors": seventeen.sectors[1],
+        })))
     }
 
     fn check(&self) -> Result<()> {
@@ -121,8 +132,7 @@ impl Pools<'_> {
         Ok(())
     }
 
-    /// Mean leaves and sectors, flat and cubic, over windows that touch a leaf; then the share of those windows.
-    fn mean_reads(&self, points: &[(DVec3, DVec3)], taps: u32) -> Result<[(f64, f64); 3]> {
+    fn mean_reads(&self, points: &[(DVec3, DVec3)], taps: u32) -> Result<MeanReads> {
         let filter = Filter::new_box(taps)?;
         let (mut windows, mut sums) = (0u64, [Reads::default(); 2]);
         for &(point, normal) in points {
@@ -137,8 +147,11 @@ impl Pools<'_> {
                 sum.sectors += reads.sectors;
             }
         }
-        let [flat, cubic] = sums.map(|sum| (ratio(sum.leaves, windows), ratio(sum.sectors, windows)));
-        Ok([flat, cubic, (ratio(windows, points.len() as u64), 0.0)])
+        Ok(MeanReads {
+            windows_share: ratio(windows, points.len() as u64),
+            leaves: sums.map(|sum| ratio(sum.leaves, windows)),
+            sectors: sums.map(|sum| ratio(sum.sectors, windows)),
+        })
     }
 
     fn reads(&self, pool: &LeafPool, at: DVec3, radius: u32) -> Reads {

@@ -1,5 +1,6 @@
 //! Light space against world space (Sintorn et al. 2014).
 
+use antumbra::Interior;
 use antumbra_bake::ablation::undefined::Sintorn2014;
 use antumbra_bake::ablation::world::{WorldGrid, WorldVolume};
 use antumbra_bake::ablation::{Graph, Intervals, octree};
@@ -40,38 +41,44 @@ pub fn rows(subject: &Subject, sun: &Light, wish: &Wish) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for interior in INTERIORS {
         for resolution in wish.resolutions(64, LARGEST) {
-            let twice = Resolution::new(2 * resolution.texels()).context("there is no finer resolution")?;
-            let intervals = |r| -> Result<Intervals> {
-                let faces = Intervals::of_light(&subject.scene, sun, r, interior)?;
-                faces.into_iter().next().context("the light has no face")
-            };
-            let source = baked(&subject.scene, std::slice::from_ref(sun), interior, twice)?;
-            let file = shadows(&source)?;
-            let light = file.lights().next().context("the bake has no light")?;
-            let grid = WorldGrid::about(subject.scene.bounds(|node| !node.dynamic), resolution.log2());
-            let volume = WorldVolume { grid, light, intervals: &intervals(twice)? };
-            let world = octree::build(&volume, grid.log2)?;
-            let intervals = intervals(resolution)?;
-            let in_light = octree::build(&Sintorn2014 { intervals: &intervals }, resolution.log2())?;
-            let columns = baked(&subject.scene, std::slice::from_ref(sun), interior, resolution)?;
-            rows.push(row(json!({
-                "scene": subject.name,
-                "ablation": "space",
-                "light": sun.name,
-                "interior": interior.name(),
-                "resolution": resolution.texels(),
-                "source_resolution": twice.texels(),
-                "world_voxel_m": grid.voxel_m,
-                "world_bytes": world.bytes(),
-                "light_bytes": in_light.bytes(),
-                "bytes_ratio": ratio(world.bytes(), in_light.bytes()),
-                "world_nodes": nodes(&world),
-                "light_nodes": nodes(&in_light),
-                "columns_bytes": columns.lights[0].bytes,
-            })));
+            rows.push(measured(subject, sun, interior, resolution)?);
         }
     }
     Ok(rows)
+}
+
+fn measured(subject: &Subject, sun: &Light, interior: Interior, resolution: Resolution) -> Result<Row> {
+    let twice = Resolution::new(2 * resolution.texels()).context("there is no finer resolution")?;
+    let suns = std::slice::from_ref(sun);
+    let source = baked(&subject.scene, suns, interior, twice)?;
+    let file = shadows(&source)?;
+    let light = file.lights().next().context("the bake has no light")?;
+    let grid = WorldGrid::about(subject.scene.bounds(|node| !node.dynamic), resolution.log2());
+    let volume = WorldVolume { grid, light, intervals: &intervals(subject, sun, interior, twice)? };
+    let world = octree::build(&volume, grid.log2)?;
+    let intervals = intervals(subject, sun, interior, resolution)?;
+    let in_light = octree::build(&Sintorn2014 { intervals: &intervals }, resolution.log2())?;
+    let columns = baked(&subject.scene, suns, interior, resolution)?;
+    Ok(row(json!({
+        "scene": subject.name,
+        "ablation": "space",
+        "light": sun.name,
+        "interior": interior.name(),
+        "resolution": resolution.texels(),
+        "source_resolution": twice.texels(),
+        "world_voxel_m": grid.voxel_m,
+        "world_bytes": world.bytes(),
+        "light_bytes": in_light.bytes(),
+        "bytes_ratio": ratio(world.bytes(), in_light.bytes()),
+        "world_nodes": nodes(&world),
+        "light_nodes": nodes(&in_light),
+        "columns_bytes": columns.lights[0].bytes,
+    })))
+}
+
+fn intervals(subject: &Subject, sun: &Light, interior: Interior, resolution: Resolution) -> Result<Intervals> {
+    let faces = Intervals::of_light(&subject.scene, sun, resolution, interior)?;
+    faces.into_iter().next().context("the light has no face")
 }
 
 fn nodes(graph: &Graph) -> u64 {

@@ -26,7 +26,8 @@ const COLUMNS: &[Column] = &[
 const ABOUT: &str = "From the exact enter and exit slices of every texel (the inside of solids is undefined), three ways, in the same \
 encoding. 2014: top down; a node without voxels that must be lit is shadowed, one without voxels that must be shadowed is lit, \
 so too an 8 x 8 mask; what is undefined in any other mask is shadowed. 2015: each 8 x 8 tile first gets the fewest masks, by \
-stabbing at the closest exit. Columns: what the baker makes, which stabs likewise and merges columns. Each graph was held against the \
+stabbing at the closest exit. Columns: what the baker makes, which stabs likewise, but first narrows the intervals of lit surfaces so that \
+they need no bias. The first two graphs were held against the \
 intervals at every voxel. Kämpe et al. 2015, table 2, 2014 / 2015: Closed City 1.43 at 4K, 1.49, 1.58, 1.67, 1.78, 1.90, 2.08 at 256K; \
 Fractal Landscape 1.72 at 4K, 1.90, 2.08, 2.29, 2.49, 2.70, 3.00 at 256K.";
 
