@@ -14,6 +14,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod ablation;
 mod bake;
 pub mod casters;
 pub mod columns;

@@ -1,11 +1,11 @@
 //! Joins casters and light space: lays a light's grid and puts the casters on its lattice.
 
 use antumbra::{DepthDistribution, Interior, LightRecord};
-use antumbra_scene::{AlphaTest, Bounds, Light, LightKind};
+use antumbra_scene::{Bounds, Light, LightKind};
 use glam::DVec3;
 
 use crate::bake::{BakeError, ResolutionRequest};
-use crate::casters::{CasterTriangle, Casters, MaskedTriangle, OpenedParts};
+use crate::casters::{CasterTriangle, Casters, OpenedParts};
 use crate::columns::{BuildTriangle, Cutout, CutoutCorners, Freedom};
 use crate::light_space::{DirectionalSpace, LATERAL_BITS, LatticeTriangle, LocalLight, LocalSpace, Resolution, Slices};
 
@@ -115,6 +115,15 @@ impl LightSpace {
         let position = space.position_world();
         let reach = DVec3::splat(space.half_box_m() * 3f64.sqrt());
         bounds.min.cmple(position + reach).all() && (position - reach).cmple(bounds.max).all()
+    }
+
+    /// A caster's alpha test on a face, if it has one.
+    #[must_use]
+    pub fn cutout<'a>(&self, caster: &CasterTriangle<'a>, face: usize) -> Option<Cutout<'a>> {
+        let masked = caster.masked.as_ref()?;
+        let homogeneous = self.homogeneous(caster.corners, face);
+        let corners = CutoutCorners { homogeneous, texcoords: masked.texcoords, alpha: masked.alpha };
+        Some(Cutout::new(masked.test, &corners))
     }
 
     /// The corners of a caster times their weights, in a face's lattice coordinates: see [`CutoutCorners`].
@@ -256,14 +265,8 @@ impl<'a> FaceCasters<'a> {
         face: usize,
     ) {
         let Some(built) = BuildTriangle::new(triangle, slices) else { return };
-        let Some(masked) = &caster.masked else { return self.triangles.push(built) };
+        let Some(cutout) = space.cutout(caster, face) else { return self.triangles.push(built) };
         self.triangles.push(built.with_cutout(self.cutouts.len() as u32));
-        self.cutouts.push(cutout(masked, space.homogeneous(caster.corners, face)));
+        self.cutouts.push(cutout);
     }
-}
-
-/// A masked caster's test on a face.
-fn cutout<'a>(masked: &MaskedTriangle<'a>, homogeneous: [DVec3; 3]) -> Cutout<'a> {
-    let test: AlphaTest<'a> = masked.test;
-    Cutout::new(test, &CutoutCorners { homogeneous, texcoords: masked.texcoords, alpha: masked.alpha })
 }

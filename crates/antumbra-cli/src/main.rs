@@ -3,12 +3,14 @@
 //! Thin: each command is one file in [`commands`] that reads its arguments, calls the libraries and prints. Exit codes:
 //! 0 done, 2 bad usage, 1 anything else, with one sentence on stderr.
 
+mod ablations;
 mod args;
 mod commands;
 mod compare;
 mod describe;
 mod inputs;
 mod lights;
+mod machine;
 mod memory;
 mod npy;
 mod output;

@@ -12,7 +12,7 @@
 mod edge;
 mod ground;
 mod report;
-mod sampling;
+pub mod sampling;
 
 use antumbra::ShadowFile;
 use antumbra_bake::{Blend, Inverted};

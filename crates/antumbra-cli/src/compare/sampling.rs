@@ -100,18 +100,18 @@ fn area([a, b, c]: [DVec3; 3]) -> f64 {
 
 /// SplitMix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators"), begun at a place of its own
 /// for each point.
-struct Random {
+pub struct Random {
     state: u64,
 }
 
 impl Random {
-    fn new(seed: u64, kind: Kind, index: u64) -> Self {
+    pub fn new(seed: u64, kind: Kind, index: u64) -> Self {
         let stream = [seed, u64::from(kind == Kind::Air), index].into_iter().fold(0, |state, part| mix(state ^ part));
         Self { state: stream }
     }
 
     /// 0 to less than 1.
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
         (mix(self.state) >> 11) as f64 / (1u64 << 53) as f64
     }

@@ -1,5 +1,6 @@
 //! Runs the program as a user does: every command on a small city, exit codes, JSON keys, bad usage, damaged files.
 
+mod ablations;
 mod baking;
 mod comparing;
 mod comparing_lamps;
