@@ -5,20 +5,21 @@ use serde_json::{Value, json};
 use super::{CLASSIFIED_EVERY, Comparison, FARTHEST_TEXELS, LightComparison, Tally, Worst};
 use crate::table::{Table, count, percent, printable};
 
+/// Lights that get tables of their own.
+const MOST_TABLES: usize = 8;
+
 impl Comparison {
-    /// For people: a table per light.
+    /// For people: tables for each light, or one for all where there are many, and a line for each that is wrong.
     #[must_use]
     pub fn text(&self) -> String {
-        let tables = self.lights.iter().flat_map(|light| {
-            let name = printable(&light.name);
-            let kinds = [
-                (&light.air, "in the air"),
-                (&light.surfaces, "on surfaces"),
-                (&light.off_surfaces, "on surfaces, moved off them as a filtered lookup is"),
-            ];
-            kinds.map(|(tally, place)| tally.table().text(&format!("{name}, {place}")))
-        });
-        tables.collect::<String>() + &self.verdict() + "\n"
+        let tables: String = if self.lights.len() <= MOST_TABLES {
+            self.lights.iter().map(LightComparison::text).collect()
+        } else {
+            let heading = format!("{} lights, in the air, on surfaces and moved off them", self.lights.len());
+            let wrong = self.lights.iter().filter_map(LightComparison::complaint);
+            self.total().table().text(&heading) + &wrong.collect::<String>()
+        };
+        tables + &self.verdict() + "\n"
     }
 
     /// One sentence.
@@ -26,7 +27,7 @@ impl Comparison {
     pub fn verdict(&self) -> String {
         let total = self.total();
         let shares = format!(
-            "{} of {} points agree, {} differ inside solids, {} near edges",
+            "{} of {} points agree, {} differ where the bake was free, {} near edges",
             count(total.agreeing),
             count(total.samples),
             count(total.undefined),
@@ -50,6 +51,7 @@ impl Comparison {
             "samples": total.samples,
             "agreeing": total.agreeing,
             "undefined": total.undefined,
+            "free": total.free,
             "disagreeing": total.disagreeing,
             "too_far": total.too_far,
             "farthest_texels": texels_json(total.farthest_texels),
@@ -59,9 +61,37 @@ impl Comparison {
 }
 
 impl LightComparison {
+    fn text(&self) -> String {
+        let kinds = [
+            (&self.air, "in the air"),
+            (&self.surfaces, "on surfaces"),
+            (&self.off_surfaces, "on surfaces, moved off them as a filtered lookup is"),
+        ];
+        let name = printable(&self.name);
+        let table = |(tally, place): (&Tally, &str)| {
+            let mut table = tally.table();
+            tally.worst.iter().for_each(|worst| {
+                table.row("too far", worst.text());
+            });
+            table.text(&format!("{name}, {place}"))
+        };
+        kinds.map(table).concat()
+    }
+
+    /// A line, if some of its points disagree too far from any edge.
+    fn complaint(&self) -> Option<String> {
+        let total = self.total();
+        let worst = total.worst.first()?;
+        let (name, too_far) = (printable(&self.name), count(total.too_far));
+        Some(format!("not ok: {name} ({}): {too_far} point(s) too far, at {}\n", self.kind.name(), worst.text()))
+    }
+
     fn json(&self) -> Value {
         json!({
             "name": self.name,
+            "kind": self.kind.name(),
+            "interior": self.policy.name(),
+            "ok": self.total().too_far == 0,
             "air": self.air.json(),
             "surfaces": self.surfaces.json(),
             "off_surfaces": self.off_surfaces.json(),
@@ -74,18 +104,17 @@ impl Tally {
         let mut table = Table::default();
         table.row("points", count(self.samples));
         table.row("agree", format!("{} ({})", count(self.agreeing), percent(self.agreeing, self.samples)));
-        table.row("differ inside a solid", count(self.undefined));
+        table.row("differ where the bake was free", count(self.undefined));
         table.row("differ elsewhere", count(self.disagreeing));
         table.row("farthest from an edge", texels_text(self.farthest_texels));
         table.row("lit", percent(self.lit, self.samples));
+        table.row("free by the policy", percent(self.free, self.samples));
         let of = format!("of every {CLASSIFIED_EVERY}th point");
         let share = |part| format!("{} {of}", percent(part, self.classified));
         table.row("robust", share(self.robust));
         table.row("near an edge", share(self.near_edge));
         table.row("inside a solid", share(self.inside));
-        for worst in &self.worst {
-            table.row("too far", worst.text());
-        }
+        table.row("behind a surface, undefined", share(self.behind));
         table
     }
 
@@ -95,6 +124,7 @@ impl Tally {
             "samples": self.samples,
             "agreeing": self.agreeing,
             "undefined": self.undefined,
+            "free": self.free,
             "disagreeing": self.disagreeing,
             "too_far": self.too_far,
             "farthest_texels": texels_json(self.farthest_texels),
@@ -103,6 +133,7 @@ impl Tally {
             "robust_share": share(self.robust),
             "near_edge_share": share(self.near_edge),
             "inside_share": share(self.inside),
+            "behind_share": share(self.behind),
             "worst": self.worst.iter().map(Worst::json).collect::<Vec<_>>(),
         })
     }

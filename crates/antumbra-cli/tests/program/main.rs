@@ -5,4 +5,5 @@ mod comparing;
 mod folder;
 mod pictures;
 mod querying;
+mod stage;
 mod usage;
