@@ -51,7 +51,7 @@ pub fn section() -> Section {
 
 pub fn rows(subject: &Subject, sun: &Light, wish: &Wish) -> Result<Vec<Row>> {
     let tracer = tracer(&subject.scene);
-    let sampler = Sampler::new(&tracer);
+    let sampler = Sampler::everywhere(&tracer);
     let points: Vec<(DVec3, DVec3)> = (0..POINTS).filter_map(|i| facing_point(&tracer, &sampler, sun, i)).collect();
     let mut rows = Vec::new();
     for interior in INTERIORS {

@@ -12,7 +12,8 @@ use crate::{describe, inputs, output};
 /// Compares a bake with ray tracing in world space, at random points in the air, on surfaces and just off them.
 ///
 /// Every disagreement's distance from a true shadow edge is measured; the comparison fails if one lies farther than a
-/// texel and a slice. Give the same --exclude, --blend and --inverted as for the bake.
+/// texel and a slice. Where the bake's policy promises nothing (inside solids, behind surfaces) any answer is right. A spot
+/// or point light's points lie within its range. Give the same --exclude, --blend and --inverted as for the bake.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  antumbra compare city.antumbra city.glb --samples 1000000")]
 pub struct Args {

@@ -5,37 +5,21 @@ use serde_json::{Value, json};
 use super::{CLASSIFIED_EVERY, Comparison, FARTHEST_TEXELS, LightComparison, Tally, Worst};
 use crate::table::{Table, count, percent, printable};
 
-/// More lights than this are summed up.
-const LIGHTS_IN_FULL: usize = 8;
+/// Lights that get tables of their own.
+const MOST_TABLES: usize = 8;
 
 impl Comparison {
-    /// For people: a table per light, or one of all where there are many.
+    /// For people: tables for each light, or one for all where there are many, and a line for each that is wrong.
     #[must_use]
     pub fn text(&self) -> String {
-        if self.lights.len() > LIGHTS_IN_FULL {
-            return self.summary();
-        }
-        let tables = self.lights.iter().flat_map(|light| {
-            let name = printable(&light.name);
-            light.kinds().map(|(tally, place)| tally.table().text(&format!("{name}, {place}")))
-        });
-        tables.collect::<String>() + &self.verdict() + "\n"
-    }
-
-    /// All lights together, kind by kind of points, and those that are not as they should be.
-    fn summary(&self) -> String {
-        let lights = count(self.lights.len() as u64);
-        let tables = [0, 1, 2].map(|kind| {
-            let of_kind = self.lights.iter().map(|light| light.kinds()[kind].0.clone());
-            let all = of_kind.fold(Tally::default(), Tally::merge);
-            let place = self.lights[0].kinds()[kind].1;
-            all.table().text(&format!("{lights} lights, {place}"))
-        });
-        let wrong = self.lights.iter().filter(|light| light.kinds().iter().any(|(tally, _)| tally.too_far > 0));
-        let names: Vec<String> = wrong.map(|light| printable(&light.name)).collect();
-        let wrong =
-            if names.is_empty() { String::new() } else { format!("not as they should be: {}\n", names.join(", ")) };
-        tables.concat() + &wrong + &self.verdict() + "\n"
+        let tables: String = if self.lights.len() <= MOST_TABLES {
+            self.lights.iter().map(LightComparison::text).collect()
+        } else {
+            let heading = format!("{} lights, in the air, on surfaces and moved off them", self.lights.len());
+            let wrong = self.lights.iter().filter_map(LightComparison::complaint);
+            self.total().table().text(&heading) + &wrong.collect::<String>()
+        };
+        tables + &self.verdict() + "\n"
     }
 
     /// One sentence.
@@ -43,15 +27,10 @@ impl Comparison {
     pub fn verdict(&self) -> String {
         let total = self.total();
         let shares = format!(
-            "{} of {} points agree, {} differ inside solids{}, {} near edges",
+            "{} of {} points agree, {} differ where the bake was free, {} near edges",
             count(total.agreeing),
             count(total.samples),
             count(total.undefined),
-            if total.left_open > 0 {
-                format!(", {} where the policy leaves it open", count(total.left_open))
-            } else {
-                String::new()
-            },
             count(total.disagreeing - total.too_far)
         );
         match total.too_far {
@@ -72,7 +51,7 @@ impl Comparison {
             "samples": total.samples,
             "agreeing": total.agreeing,
             "undefined": total.undefined,
-            "left_open": total.left_open,
+            "free": total.free,
             "disagreeing": total.disagreeing,
             "too_far": total.too_far,
             "farthest_texels": texels_json(total.farthest_texels),
@@ -82,18 +61,37 @@ impl Comparison {
 }
 
 impl LightComparison {
-    /// Its tallies, each with where its points lie.
-    fn kinds(&self) -> [(&Tally, &'static str); 3] {
-        [
+    fn text(&self) -> String {
+        let kinds = [
             (&self.air, "in the air"),
             (&self.surfaces, "on surfaces"),
             (&self.off_surfaces, "on surfaces, moved off them as a filtered lookup is"),
-        ]
+        ];
+        let name = printable(&self.name);
+        let table = |(tally, place): (&Tally, &str)| {
+            let mut table = tally.table();
+            tally.worst.iter().for_each(|worst| {
+                table.row("too far", worst.text());
+            });
+            table.text(&format!("{name}, {place}"))
+        };
+        kinds.map(table).concat()
+    }
+
+    /// A line, if some of its points disagree too far from any edge.
+    fn complaint(&self) -> Option<String> {
+        let total = self.total();
+        let worst = total.worst.first()?;
+        let (name, too_far) = (printable(&self.name), count(total.too_far));
+        Some(format!("not ok: {name} ({}): {too_far} point(s) too far, at {}\n", self.kind.name(), worst.text()))
     }
 
     fn json(&self) -> Value {
         json!({
             "name": self.name,
+            "kind": self.kind.name(),
+            "interior": self.policy.name(),
+            "ok": self.total().too_far == 0,
             "air": self.air.json(),
             "surfaces": self.surfaces.json(),
             "off_surfaces": self.off_surfaces.json(),
@@ -106,20 +104,17 @@ impl Tally {
         let mut table = Table::default();
         table.row("points", count(self.samples));
         table.row("agree", format!("{} ({})", count(self.agreeing), percent(self.agreeing, self.samples)));
-        table.row("differ inside a solid", count(self.undefined));
-        table.row("differ where the policy leaves it open", count(self.left_open));
+        table.row("differ where the bake was free", count(self.undefined));
         table.row("differ elsewhere", count(self.disagreeing));
         table.row("farthest from an edge", texels_text(self.farthest_texels));
         table.row("lit", percent(self.lit, self.samples));
+        table.row("free by the policy", percent(self.free, self.samples));
         let of = format!("of every {CLASSIFIED_EVERY}th point");
         let share = |part| format!("{} {of}", percent(part, self.classified));
         table.row("robust", share(self.robust));
         table.row("near an edge", share(self.near_edge));
         table.row("inside a solid", share(self.inside));
-        table.row("left open by the policy", share(self.open));
-        for worst in &self.worst {
-            table.row("too far", worst.text());
-        }
+        table.row("behind a surface, undefined", share(self.behind));
         table
     }
 
@@ -129,6 +124,7 @@ impl Tally {
             "samples": self.samples,
             "agreeing": self.agreeing,
             "undefined": self.undefined,
+            "free": self.free,
             "disagreeing": self.disagreeing,
             "too_far": self.too_far,
             "farthest_texels": texels_json(self.farthest_texels),
@@ -137,8 +133,7 @@ impl Tally {
             "robust_share": share(self.robust),
             "near_edge_share": share(self.near_edge),
             "inside_share": share(self.inside),
-            "left_open": self.left_open,
-            "left_open_share": share(self.open),
+            "behind_share": share(self.behind),
             "worst": self.worst.iter().map(Worst::json).collect::<Vec<_>>(),
         })
     }

@@ -1,18 +1,21 @@
 //! Random points: each depends on the seed, its kind and its index alone, so that threads do not show.
+//!
+//! A directional light's lie all over the scene. A local light's lie where it matters: within its range and its cone, but
+//! for a few beside the cone.
 
 use antumbra_render::{Tracer, TriangleId};
 use antumbra_scene::Bounds;
 use glam::DVec3;
 
 use super::Kind;
-use super::ground::Sight;
+use super::beam::{Beam, Lamp};
 
 /// How far points in the air lie outside the casters' box, in parts of its diagonal.
 const MARGIN: f64 = 0.02;
-/// Draws before a point is given up: of a local light, whose reach a large triangle may leave.
-const MOST_DRAWS: u32 = 64;
-/// Of a spot light's points outside its cone one in so many is taken.
-const OUTSIDE_CONE: f64 = 1.0 / 8.0;
+/// Share of the points outside a spot light's cone that are taken.
+const OUTSIDE_CONE_TAKEN: f64 = 0.1;
+/// Points that are drawn where a local light may reach, before one is looked for along its rays.
+const TRIES: usize = 24;
 
 /// A point to compare at.
 #[derive(Clone, Copy, Debug)]
@@ -22,64 +25,86 @@ pub struct Sample {
     pub triangle: Option<TriangleId>,
 }
 
-/// Draws points that a light may reach.
+/// Draws points for a light.
 pub struct Sampler<'a> {
-    sight: &'a Sight<'a>,
+    tracer: &'a Tracer,
+    lamp: Option<&'a Lamp>,
+    /// Of points in the air.
     bounds: Bounds,
-    /// Triangles that the light may reach; all of them if there is no list.
+    /// Triangles that the light may reach.
     triangles: Vec<TriangleId>,
     /// For each of those, the area of all up to and with it.
     areas: Vec<f64>,
 }
 
 impl<'a> Sampler<'a> {
-    pub fn new(sight: &'a Sight<'a>) -> Self {
-        let tracer = sight.ground().tracer();
-        let mut bounds = tracer.bounds();
-        let margin = bounds.diagonal() * MARGIN;
-        bounds.min -= margin;
-        bounds.max += margin;
-        if let Some([min, max]) = sight.reach() {
-            bounds = Bounds { min: bounds.min.max(min), max: bounds.max.min(max) };
-        }
-        let touches = |id: &TriangleId| {
-            let corners = tracer.corners(*id);
-            let (min, max) = (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
-            min.cmple(bounds.max).all() && bounds.min.cmple(max).all()
-        };
-        let triangles: Vec<TriangleId> = (0..tracer.triangle_count() as u32).map(TriangleId).filter(touches).collect();
+    /// Points all over the scene.
+    pub fn everywhere(tracer: &'a Tracer) -> Self {
+        Self::within(tracer, None, bounds_with_margin(tracer), |_| true)
+    }
+
+    /// Points where a light matters.
+    pub fn new(tracer: &'a Tracer, beam: &'a Beam) -> Self {
+        let Beam::Lamp(lamp) = beam else { return Self::everywhere(tracer) };
+        let bounds = bounds_with_margin(tracer);
+        let reach = lamp.bounds();
+        let common = Bounds { min: bounds.min.max(reach.min), max: bounds.max.min(reach.max) };
+        let bounds = if common.is_empty() { reach } else { common };
+        Self::within(tracer, Some(lamp), bounds, |[a, b, c]| {
+            let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+            min.cmple(reach.max).all() && reach.min.cmple(max).all()
+        })
+    }
+
+    fn within(tracer: &'a Tracer, lamp: Option<&'a Lamp>, bounds: Bounds, wants: impl Fn([DVec3; 3]) -> bool) -> Self {
+        let all = (0..tracer.triangle_count() as u32).map(TriangleId);
+        let triangles: Vec<TriangleId> = all.filter(|id| wants(tracer.corners(*id))).collect();
         let mut sum = 0.0;
         let areas = triangles.iter().map(|id| {
             sum += area(tracer.corners(*id));
             sum
         });
-        Self { sight, bounds, areas: areas.collect(), triangles }
+        Self { tracer, lamp, bounds, areas: areas.collect(), triangles }
     }
 
-    /// `None` where no draw came out within the light's reach.
-    pub fn sample(&self, seed: u64, kind: Kind, index: u64) -> Option<Sample> {
+    pub fn sample(&self, seed: u64, kind: Kind, index: u64) -> Sample {
         let mut random = Random::new(seed, kind, index);
-        let draw = |_| {
-            let sample = match kind {
-                Kind::Air if self.bounds.is_empty() => return None,
-                Kind::Air => {
-                    let share = DVec3::new(random.unit(), random.unit(), random.unit());
-                    let point_world = self.bounds.min + (self.bounds.max - self.bounds.min) * share;
-                    Sample { point_world, triangle: None }
-                }
-                Kind::Surface | Kind::OffSurface => self.on_surface(&mut random)?,
-            };
-            let cone = self.sight.is_in_cone(sample.point_world) || random.unit() < OUTSIDE_CONE;
-            (cone && self.sight.is_in_range(sample.point_world)).then_some(sample)
+        let draw = |random: &mut Random| match kind {
+            Kind::Air => Some(self.in_box(random)),
+            Kind::Surface | Kind::OffSurface => self.on_surface(random),
         };
-        (0..MOST_DRAWS).find_map(draw)
+        for _ in 0..TRIES {
+            match draw(&mut random) {
+                Some(sample) if self.takes(&sample, &mut random) => return sample,
+                Some(_) => {}
+                None => break,
+            }
+        }
+        match self.lamp {
+            Some(lamp) => self.on_ray(lamp, kind, &mut random),
+            None => self.in_box(&mut random),
+        }
+    }
+
+    /// Whether a point lies where the light matters.
+    fn takes(&self, sample: &Sample, random: &mut Random) -> bool {
+        self.lamp.is_none_or(|lamp| {
+            let is_outside = lamp.is_outside_cone(sample.point_world);
+            lamp.depth(sample.point_world) <= lamp.far_m && (!is_outside || random.unit() < OUTSIDE_CONE_TAKEN)
+        })
+    }
+
+    fn in_box(&self, random: &mut Random) -> Sample {
+        let share = DVec3::from_array(random.units());
+        let point_world = self.bounds.min + (self.bounds.max - self.bounds.min) * share;
+        Sample { point_world, triangle: None }
     }
 
     fn on_surface(&self, random: &mut Random) -> Option<Sample> {
-        let wanted = random.unit() * self.areas.last().copied()?;
+        let wanted = random.unit() * self.areas.last()?;
         let index = self.areas.partition_point(|&sum| sum <= wanted).min(self.areas.len() - 1);
         let triangle = self.triangles[index];
-        let [a, b, c] = self.tracer().corners(triangle);
+        let [a, b, c] = self.tracer.corners(triangle);
         let (mut u, mut v) = (random.unit(), random.unit());
         if u + v > 1.0 {
             (u, v) = (1.0 - u, 1.0 - v);
@@ -87,9 +112,29 @@ impl<'a> Sampler<'a> {
         Some(Sample { point_world: a + (b - a) * u + (c - a) * v, triangle: Some(triangle) })
     }
 
-    fn tracer(&self) -> &'a Tracer {
-        self.sight.ground().tracer()
+    /// A point of any surface on one of a local light's rays, or in the air of it where it meets none.
+    fn on_ray(&self, lamp: &Lamp, kind: Kind, random: &mut Random) -> Sample {
+        let to_far = lamp.far_point(random.units()) - lamp.position_world;
+        let which = random.unit();
+        let mut hits: Vec<(f64, TriangleId)> = Vec::new();
+        if kind != Kind::Air {
+            let ray = antumbra_render::Ray::new(lamp.position_world, to_far).between(0.0, 1.0);
+            self.tracer.for_each_hit(&ray, |hit| hits.push((hit.t, hit.triangle)));
+        }
+        hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let hit = hits.get((which * hits.len() as f64) as usize);
+        let share = hit.map_or(which, |(t, _)| *t);
+        Sample { point_world: lamp.position_world + to_far * share, triangle: hit.map(|(_, triangle)| *triangle) }
     }
+}
+
+/// The casters' box and a little more.
+fn bounds_with_margin(tracer: &Tracer) -> Bounds {
+    let mut bounds = tracer.bounds();
+    let margin = bounds.diagonal() * MARGIN;
+    bounds.min -= margin;
+    bounds.max += margin;
+    bounds
 }
 
 /// Zero where it is beyond numbers, so that sums stay sound.
@@ -114,6 +159,10 @@ impl Random {
     pub fn unit(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
         (mix(self.state) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn units(&mut self) -> [f64; 3] {
+        [self.unit(), self.unit(), self.unit()]
     }
 }
 

@@ -3,8 +3,8 @@
 mod ablations;
 mod baking;
 mod comparing;
-mod comparing_lamps;
 mod folder;
 mod pictures;
 mod querying;
+mod stage;
 mod usage;
