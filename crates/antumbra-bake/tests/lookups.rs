@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use std::sync::LazyLock;
 
 fn city() -> Scene {
-    procedural::build("city", &procedural::Options { seed: 5, scale: 0.15 }).unwrap()
+    procedural::build("city", &procedural::Options { seed: 5, scale: 0.15, ..Default::default() }).unwrap()
 }
 
 static CITY: LazyLock<Scene> = LazyLock::new(city);

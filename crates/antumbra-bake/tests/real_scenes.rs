@@ -9,7 +9,8 @@ use common::{bake_for_check, check_all, check_texels, options, shared_scenes, su
 
 /// Small generated scenes always; real ones where the folder is there.
 fn scenes() -> Vec<Scene> {
-    let small = |name, scale| procedural::build(name, &procedural::Options { seed: 3, scale }).unwrap();
+    let small =
+        |name, scale| procedural::build(name, &procedural::Options { seed: 3, scale, ..Default::default() }).unwrap();
     let real = shared_scenes().into_iter().map(|path| antumbra_scene::load(&path).unwrap());
     [small("city", 0.2), small("landscape", 0.1)].into_iter().chain(real).collect()
 }
@@ -56,7 +57,7 @@ fn a_million_random_texels_at_16384() {
 #[test]
 fn a_small_city_takes_no_more_bytes_than_it_did() {
     const BYTES: usize = 2_013_248;
-    let options_of_scene = procedural::Options { seed: 3, scale: 0.2 };
+    let options_of_scene = procedural::Options { seed: 3, scale: 0.2, ..Default::default() };
     let scene = procedural::build("city", &options_of_scene).unwrap();
     let bytes = bake_for_check(&scene, &light(&scene), &options(Interior::Auto, 4096, 0)).bytes.len();
     assert!(bytes <= BYTES, "{bytes} bytes instead of {BYTES}");

@@ -47,6 +47,8 @@ fn bad_usage_is_told_apart() {
         ("query f --light sun --points p -o v --filter 19", "odd"),
         ("scene atlantis -o a.glb", "city"),
         ("scene city -o a.glb --scale 9", "0.05"),
+        ("scene city -o a.glb --lamps 4001", "4000"),
+        ("scene landscape -o a.glb --lamps 5", "takes no lamps"),
         ("render a.glb -o a.png --size 10", "1280x720"),
         ("render a.glb -o a.png --eye 0,0,0", "--target"),
         ("compare f a.glb --samples 0", "samples"),

@@ -11,11 +11,15 @@ mod landscape;
 mod noise;
 mod palette;
 mod rng;
+mod ruins;
+mod sheets;
 mod solids;
+mod textures;
+mod view;
+mod village;
 
 #[cfg(test)]
 mod tests;
-mod view;
 
 use crate::model::Scene;
 
@@ -26,16 +30,22 @@ pub struct Options {
     pub seed: u64,
     /// Size, 1 by default: the number of triangles grows with its square. Within [`SCALE_RANGE`].
     pub scale: f64,
+    /// Spot lights along the streets of `city`, named `spot001`, `spot002`, ...; up to [`MAX_LAMPS`]. More of them leave
+    /// the earlier ones where they were. Other scenes have lights of their own and take 0 only.
+    pub lamps: u32,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, scale: 1.0 }
+        Self { seed: 1, scale: 1.0, lamps: 0 }
     }
 }
 
 /// The smallest and the largest [`Options::scale`].
 pub const SCALE_RANGE: (f64, f64) = (0.05, 4.0);
+
+/// The most [`Options::lamps`]: with the sun, no more lights than a shadow file holds.
+pub const MAX_LAMPS: u32 = 4000;
 
 /// Why a procedural scene cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -52,24 +62,52 @@ pub enum ProceduralError {
         /// The scale asked for.
         scale: f64,
     },
+    /// Lamps were asked for in a scene that does not take them.
+    #[error("`{name}` takes no lamps; `city` does")]
+    NoLamps {
+        /// The scene asked for.
+        name: String,
+    },
+    /// More lamps than [`MAX_LAMPS`].
+    #[error("{lamps} lamps are too many; give at most {MAX_LAMPS}")]
+    TooManyLamps {
+        /// The number asked for.
+        lamps: u32,
+    },
 }
 
 struct Recipe {
     name: &'static str,
     summary: &'static str,
+    /// Whether it heeds [`Options::lamps`].
+    takes_lamps: bool,
     build: fn(&Options) -> Scene,
 }
 
-const SCENES: [Recipe; 2] = [
+static SCENES: [Recipe; 4] = [
     Recipe {
         name: "city",
         summary: "a downtown by a river: about a million triangles, all closed solids",
+        takes_lamps: true,
         build: city::build,
     },
     Recipe {
         name: "landscape",
         summary: "mountains, valleys and a lake: about two million triangles, one closed solid",
+        takes_lamps: false,
         build: landscape::build,
+    },
+    Recipe {
+        name: "ruins",
+        summary: "an overgrown abbey: thin open walls and vaults, leaves cut out by alpha masks",
+        takes_lamps: false,
+        build: ruins::build,
+    },
+    Recipe {
+        name: "village",
+        summary: "a village at night: closed houses, street lamps and lit windows as point and spot lights",
+        takes_lamps: false,
+        build: village::build,
     },
 ];
 
@@ -87,8 +125,21 @@ pub const NAMES: &[(&str, &str)] = &{
 /// Builds the scene of that name.
 ///
 /// # Errors
-/// [`ProceduralError`] when there is no such scene or the scale is outside [`SCALE_RANGE`].
+/// As [`check`].
 pub fn build(name: &str, options: &Options) -> Result<Scene, ProceduralError> {
+    Ok((checked(name, options)?.build)(options))
+}
+
+/// Whether a scene can be built, at no cost.
+///
+/// # Errors
+/// [`ProceduralError`] when there is no such scene, the scale is outside [`SCALE_RANGE`], or the scene does not take that
+/// many lamps.
+pub fn check(name: &str, options: &Options) -> Result<(), ProceduralError> {
+    checked(name, options).map(|_| ())
+}
+
+fn checked(name: &str, options: &Options) -> Result<&'static Recipe, ProceduralError> {
     let recipe = SCENES
         .iter()
         .find(|recipe| recipe.name == name)
@@ -96,7 +147,13 @@ pub fn build(name: &str, options: &Options) -> Result<Scene, ProceduralError> {
     if !(SCALE_RANGE.0..=SCALE_RANGE.1).contains(&options.scale) {
         return Err(ProceduralError::Scale { scale: options.scale });
     }
-    Ok((recipe.build)(options))
+    if options.lamps > 0 && !recipe.takes_lamps {
+        return Err(ProceduralError::NoLamps { name: name.to_owned() });
+    }
+    if options.lamps > MAX_LAMPS {
+        return Err(ProceduralError::TooManyLamps { lamps: options.lamps });
+    }
+    Ok(recipe)
 }
 
 fn known_names() -> String {

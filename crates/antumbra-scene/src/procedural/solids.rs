@@ -31,6 +31,11 @@ impl Turn {
         Self { cos, sin }
     }
 
+    /// Brings +X to a unit vector of the ground plane, given as x and z.
+    pub(crate) fn facing(ahead: DVec2) -> Self {
+        Self { cos: ahead.x, sin: -ahead.y }
+    }
+
     pub(crate) fn then(self, other: Self) -> Self {
         Self { cos: self.cos * other.cos - self.sin * other.sin, sin: self.sin * other.cos + self.cos * other.sin }
     }

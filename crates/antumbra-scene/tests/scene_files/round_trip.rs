@@ -1,5 +1,6 @@
 //! What is written comes back.
 
+use antumbra_scene::procedural::{Options, build};
 use antumbra_scene::{
     AlphaMode, Camera, Dropped, Image, Light, LightKind, Material, Mesh, Node, Primitive, Scene, SceneError,
     TextureRef, Wrap, load_glb_slice, to_glb,
@@ -177,5 +178,38 @@ fn scenes_that_break_the_model_are_refused() {
             }
             other => panic!("{part}: {:?}", other.map(|b| b.len())),
         }
+    }
+}
+
+#[test]
+fn procedural_scenes_come_back() {
+    for (name, lamps) in [("ruins", 0), ("village", 0), ("city", 7)] {
+        let options = Options { scale: 0.1, lamps, ..Options::default() };
+        let scene = build(name, &options).expect("a scene");
+        let back = load_glb_slice(&to_glb(&scene).expect("writes"), name).expect("loads");
+        assert_eq!(back.dropped.total(), 0, "{name}");
+        same(&back.meshes, &scene.meshes);
+        same(&back.nodes, &scene.nodes);
+        same(&back.images, &scene.images);
+        same(&back.lights, &scene.lights);
+        same(&back.cameras, &scene.cameras);
+        assert_eq!(back.materials.len(), scene.materials.len());
+        for (a, b) in back.materials.iter().zip(&scene.materials) {
+            same_looks(a, b);
+        }
+    }
+}
+
+/// All the same; a texture's transform but for rounding, for it is written as offset, rotation and scale.
+fn same_looks(back: &Material, written: &Material) {
+    let without_texture = |m: &Material| Material { base_color_texture: None, ..m.clone() };
+    same(without_texture(back), without_texture(written));
+    let textures = (back.base_color_texture, written.base_color_texture);
+    let (Some(back), Some(written)) = textures else {
+        return assert!(textures.0.is_none() && textures.1.is_none(), "{}", written.name);
+    };
+    same((back.image, back.wrap_s, back.wrap_t), (written.image, written.wrap_s, written.wrap_t));
+    for (a, b) in back.transform.iter().flatten().zip(written.transform.iter().flatten()) {
+        assert!((a - b).abs() < 1e-6, "{a} {b}");
     }
 }

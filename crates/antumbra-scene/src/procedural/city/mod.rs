@@ -8,6 +8,7 @@ mod civic;
 mod facade;
 mod greens;
 mod houses;
+mod lamps;
 mod layout;
 mod roofs;
 mod streets;
@@ -41,6 +42,9 @@ pub(crate) fn build(options: &Options) -> Scene {
     }
     city.scene.materials = palette::materials();
     city.scene.lights = vec![sun(110.0, 33.0)];
+    if options.lamps > 0 {
+        city.lamps(&plan, options.lamps as usize);
+    }
     city.scene.cameras = cameras(&plan);
     city.scene
 }
@@ -138,6 +142,13 @@ impl City {
                 streets::traffic(b, rng, stretch);
             }
         });
+    }
+
+    /// Lamps along the streets, with their posts.
+    fn lamps(&mut self, plan: &Plan, count: usize) {
+        let lamps = lamps::place(plan, &self.rng.fork(6000), count);
+        self.add("lamps", DVec2::ZERO, Turn::NONE, |b, _| lamps.iter().for_each(|lamp| lamps::post(b, lamp)));
+        self.scene.lights.extend(lamps.iter().enumerate().map(|(i, lamp)| lamp.light(format!("spot{:03}", i + 1))));
     }
 
     /// The block that gets the tallest tower: the one nearest the middle of downtown.
