@@ -14,8 +14,9 @@ use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 use rayon::prelude::*;
 
-static CITY: LazyLock<Scene> =
-    LazyLock::new(|| procedural::build("city", &procedural::Options { seed: 5, scale: 0.15 }).unwrap());
+static CITY: LazyLock<Scene> = LazyLock::new(|| {
+    procedural::build("city", &procedural::Options { seed: 5, scale: 0.15, ..Default::default() }).unwrap()
+});
 
 /// A room with furniture, whose walls are one closed part with a cavity.
 static ROOM: LazyLock<Scene> = LazyLock::new(|| {
