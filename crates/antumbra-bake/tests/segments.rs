@@ -19,7 +19,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 
 fn city() -> Scene {
-    procedural::build("city", &procedural::Options { seed: 5, scale: 0.15 }).unwrap()
+    procedural::build("city", &procedural::Options { seed: 5, scale: 0.15, ..Default::default() }).unwrap()
 }
 
 /// A room seen from inside, a plate edge-on to the light, thin walls, boxes that touch, a slope.
