@@ -40,10 +40,10 @@ pub enum RenderError {
     /// The exposure is not a positive number.
     #[error("an exposure of {0}: give a positive number")]
     Exposure(f32),
-    /// The shadow file knows nothing of a light of the scene.
+    /// The shadow file has none of the scene's lights.
     #[error("the shadow file has no light `{light}`; it has: {present}")]
     LightNotInFile {
-        /// The scene's directional light.
+        /// The scene's first directional light, or its first light.
         light: String,
         /// The names in the file, separated by commas.
         present: String,

@@ -2,7 +2,9 @@
 //!
 //! - [`trace`] traces rays through a scene in world space, exact about what is hit: the ground truth that bakes are
 //!   compared with.
-//! - [`Renderer`] draws a scene in daylight on the CPU, with shadows that are traced or looked up in a bake.
+//! - [`Renderer`] draws a scene on the CPU, in daylight or lit by its lamps at night, with shadows that are traced or looked
+//!   up in a bake.
+//! - [`AlphaMasks`] says where masked surfaces are there at all.
 //!
 //! ```no_run
 //! use antumbra_render::{RenderOptions, ShadowSource, default_camera, render};
@@ -26,7 +28,9 @@ pub mod trace;
 
 pub use camera::{default_camera, look_at};
 pub use error::RenderError;
-pub use passes::shadow::{ShadowSource, SunVisibility};
+pub use light::Time;
+pub use passes::shadow::ShadowSource;
 pub use picture::Picture;
 pub use render::{Progress, RenderOptions, Renderer, render};
+pub use surface::AlphaMasks;
 pub use trace::{Hit, Ray, Source, Tracer, TriangleId};

@@ -34,7 +34,7 @@ impl Picture {
     }
 
     /// Linear RGB radiance before exposure and tone mapping, rows from the top. The unit is the sun's irradiance
-    /// outside the atmosphere, per steradian.
+    /// outside the atmosphere, per steradian, by day and by night: 128,000 cd/m².
     #[must_use]
     pub fn hdr(&self) -> &[[f32; 3]] {
         &self.hdr

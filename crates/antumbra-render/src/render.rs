@@ -3,21 +3,24 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use antumbra_scene::{Camera, Scene};
-use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::{
-    Picture, RenderError, ShadowSource, Tracer,
+    Picture, RenderError, ShadowSource, Time, Tracer,
     camera::View,
     passes::{
         World,
         ambient::{self, Gathered},
         gbuffer,
-        shade::{self, reference::Inputs},
-        shadow::{self, SunVisibilities},
+        shade::{
+            self,
+            reference::{Inputs, Shaded},
+        },
+        shadow::{self, Shadows},
         tonemap,
     },
     sampling,
+    surface::Surfaces,
 };
 
 /// Called as a picture grows, from any thread: steps done and steps in all.
@@ -37,11 +40,13 @@ pub struct RenderOptions {
     pub ao_samples: u32,
     /// What radiance is multiplied by before tone mapping; `None` to expose for the scene's lights.
     pub exposure: Option<f32>,
+    /// Day or night; `None` for what suits the lights ([`Time::suiting`]).
+    pub time: Option<Time>,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { width: 1280, height: 720, samples: 4, ao_samples: 12, exposure: None }
+        Self { width: 1280, height: 720, samples: 4, ao_samples: 12, exposure: None, time: None }
     }
 }
 
@@ -60,28 +65,37 @@ fn within(name: &'static str, value: u32, least: u32, most: u32) -> Result<(), R
     if (least..=most).contains(&value) { Ok(()) } else { Err(RenderError::Samples { name, value, least, most }) }
 }
 
-/// A scene, ready to be drawn from anywhere: holds its ray tracer, textures, suns and sky.
+/// A scene, ready to be drawn from anywhere: holds its ray tracer and textures.
 pub struct Renderer<'a> {
-    world: World<'a>,
+    scene: &'a Scene,
+    tracer: Tracer,
+    surfaces: Surfaces<'a>,
 }
 
 impl<'a> Renderer<'a> {
     /// Prepares a scene: about a second per million triangles.
     #[must_use]
     pub fn new(scene: &'a Scene) -> Self {
-        Self { world: World::new(scene) }
+        Self { scene, tracer: Tracer::new(scene, |_, _| true), surfaces: Surfaces::new(scene) }
     }
 
     /// The tracer over all triangles of the scene.
     #[must_use]
     pub fn tracer(&self) -> &Tracer {
-        &self.world.tracer
+        &self.tracer
+    }
+
+    /// Names of the scene's lights that give no light with this source of shadows, because the bake lacks them; in the
+    /// scene's order.
+    #[must_use]
+    pub fn left_dark(&self, shadows: ShadowSource<'_>) -> Vec<&str> {
+        self.scene.lights.iter().filter(|light| !shadows.knows(light)).map(|light| light.name.as_str()).collect()
     }
 
     /// Draws the scene. The same arguments give the same picture to the bit, whatever the number of threads.
     ///
     /// # Errors
-    /// [`RenderError`] when the camera or the options make no sense, or the shadows lack a light of the scene.
+    /// [`RenderError`] when the camera or the options make no sense, or the shadows lack all lights of the scene.
     pub fn render(
         &self,
         camera: &Camera,
@@ -91,11 +105,14 @@ impl<'a> Renderer<'a> {
     ) -> Result<Picture, RenderError> {
         options.check()?;
         let view = View::new(camera, options.width, options.height)?;
-        let shadows = shadows.visibilities(&self.world)?;
-        let job = Job { world: &self.world, view, shadows, options, progress, done: AtomicUsize::new(0) };
+        let lights = shadows.known(&self.scene.lights)?;
+        let time = options.time.unwrap_or_else(|| Time::suiting(&lights));
+        let world = World::new(&self.tracer, &self.surfaces, &lights, time);
+        let shadows = Shadows::new(&world, shadows);
+        let job = Job { world: &world, view, shadows, options, progress, done: AtomicUsize::new(0) };
         let gathered = job.gather();
-        let radiance = job.shade(&gathered);
-        Ok(job.develop(&radiance))
+        let shaded = job.shade(&gathered);
+        Ok(job.develop(&shaded))
     }
 }
 
@@ -117,7 +134,7 @@ pub fn render(
 struct Job<'a> {
     world: &'a World<'a>,
     view: View,
-    shadows: SunVisibilities<'a>,
+    shadows: Shadows<'a>,
     options: &'a RenderOptions,
     progress: Progress<'a>,
     done: AtomicUsize,
@@ -140,33 +157,33 @@ impl Job<'_> {
         gathered
     }
 
-    fn shade(&self, gathered: &[Gathered]) -> Vec<Vec3> {
+    fn shade(&self, gathered: &[Gathered]) -> Vec<Shaded> {
         self.rows(|y| {
             let texels = gbuffer::reference::row(self.world, &self.view, y, self.options.samples);
-            let shadows = shadow::reference::row(self.world, &self.shadows, &texels);
-            let inputs = Inputs { texels: &texels, shadows: &shadows, gathered, samples: self.options.samples };
+            let beams = shadow::reference::row(self.world, &self.shadows, &texels);
+            let inputs = Inputs { texels: &texels, beams: &beams, gathered, samples: self.options.samples };
             let row = shade::reference::row(self.world, &self.view, y, &inputs);
             self.step();
             row
         })
     }
 
-    fn develop(&self, radiance: &[Vec3]) -> Picture {
-        let exposure = self.options.exposure.unwrap_or_else(|| tonemap::reference::exposure(self.world, radiance));
+    fn develop(&self, shaded: &[Shaded]) -> Picture {
+        let exposure = self.options.exposure.unwrap_or_else(|| tonemap::reference::exposure(self.world, shaded));
         Picture {
             width: self.view.width,
             height: self.view.height,
-            rgb: self.rows(|y| self.develop_row(radiance, y, exposure)),
-            hdr: radiance.iter().map(|c| c.to_array()).collect(),
+            rgb: self.rows(|y| self.develop_row(shaded, y, exposure)),
+            hdr: shaded.iter().map(|s| s.radiance.to_array()).collect(),
             exposure,
         }
     }
 
-    fn develop_row(&self, radiance: &[Vec3], y: u32, exposure: f32) -> Vec<u8> {
+    fn develop_row(&self, shaded: &[Shaded], y: u32, exposure: f32) -> Vec<u8> {
         let start = (y * self.view.width) as usize;
         let pixel = |x: u32| {
             let dither = sampling::unit(x, y, 0);
-            tonemap::reference::pixel(radiance[start + x as usize] * exposure, dither)
+            tonemap::reference::pixel(shaded[start + x as usize].radiance * exposure, dither)
         };
         (0..self.view.width).flat_map(pixel).collect()
     }

@@ -1,9 +1,9 @@
 //! `antumbra render`: a picture of a scene.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use antumbra::ShadowFile;
-use antumbra_render::{Picture, RenderOptions, Renderer, ShadowSource, default_camera, look_at};
+use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
+use antumbra_render::{Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera, look_at};
 use antumbra_scene::{Camera, LightKind, Scene};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -17,7 +17,7 @@ use crate::{inputs, lights};
 const EXAMPLE: &str =
     "Example:\n  antumbra render city.glb --shadows city.antumbra --filter 5 --size 1920x1080 -o city.png";
 
-/// Draws a picture of a scene in daylight.
+/// Draws a picture of a scene, in daylight or lit by its lamps at night.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {
@@ -46,6 +46,15 @@ pub struct Args {
     technique: Option<Technique>,
     #[command(flatten)]
     filter: FilterArgs,
+    /// Average baked shadows over what each pixel covers
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = PrefilterArg::None)]
+    prefilter: PrefilterArg,
+    /// In daylight [default: unless the scene has lamps and no directional light of 10 lux or more]
+    #[arg(long, conflicts_with = "night")]
+    day: bool,
+    /// At night: lit by spot and point lights, and by directional lights of less than 10 lux
+    #[arg(long)]
+    night: bool,
     /// Rays through each pixel
     #[arg(long, value_name = "N", default_value_t = 4)]
     samples: u32,
@@ -68,6 +77,17 @@ enum Technique {
     Traced,
     /// Cascaded shadow maps (not in this version)
     Csm,
+}
+
+/// `--prefilter`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+enum PrefilterArg {
+    /// Looked up at full depth
+    None,
+    /// The mean over the node that is as wide as a pixel
+    Mean,
+    /// --filter on coarse levels, for a bake made with --levels
+    Levels,
 }
 
 /// `--device`.
@@ -94,11 +114,11 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let camera = camera(args, &scene)?;
     let shadows = match &file {
-        Some(shadows) if baked => ShadowSource::Dag { shadows, filter: args.filter.filter(1)? },
+        Some(file) if baked => looked_up(args, file)?,
         _ => ShadowSource::Traced,
     };
     let [width, height] = args.size;
-    let options = RenderOptions { width, height, samples: args.samples, ..RenderOptions::default() };
+    let options = RenderOptions { width, height, samples: args.samples, time: time(args), ..RenderOptions::default() };
     let picture = args.run.pool()?.install(|| draw(&scene, &camera, &options, shadows, &progress))?;
     progress.stage("writing");
     output.write(&picture.to_png()?)?;
@@ -117,7 +137,39 @@ fn is_baked(args: &Args) -> Result<bool> {
     match (args.technique, args.shadows.is_some()) {
         (Some(Technique::Csm), _) => bail!("--technique csm is not in this version; use dag or traced"),
         (Some(Technique::Dag), false) => bail!("--technique dag needs a bake: name one with --shadows FILE"),
-        (technique, shadows) => Ok(technique.map_or(shadows, |t| t == Technique::Dag)),
+        (technique, shadows) => {
+            let baked = technique.map_or(shadows, |t| t == Technique::Dag);
+            if args.prefilter != PrefilterArg::None && !baked {
+                bail!("--prefilter averages baked shadows: name a bake with --shadows FILE, and no other --technique");
+            }
+            Ok(baked)
+        }
+    }
+}
+
+/// The bake as a source of shadows, filtered as wished.
+fn looked_up<'a>(args: &Args, file: &'a ShadowFile) -> Result<ShadowSource<'a>> {
+    let filter = args.filter.filter(1)?;
+    let how = match args.prefilter {
+        PrefilterArg::None => return Ok(ShadowSource::Dag { shadows: file, filter }),
+        PrefilterArg::Mean if args.filter.filter.is_some() => {
+            bail!("--prefilter mean takes no --filter: it averages over nodes; use --prefilter levels with a filter")
+        }
+        PrefilterArg::Mean => Prefilter::Mean,
+        PrefilterArg::Levels => Prefilter::Levels(filter),
+    };
+    if args.prefilter == PrefilterArg::Levels && !file.lights().any(LightShadow::has_levels) {
+        let path = args.shadows.as_deref().unwrap_or(Path::new("the bake"));
+        bail!("{} has no coarse levels for --prefilter levels; bake it again with --levels", path.display());
+    }
+    Ok(ShadowSource::Prefiltered { shadows: file, how })
+}
+
+fn time(args: &Args) -> Option<Time> {
+    match (args.day, args.night) {
+        (true, _) => Some(Time::Day),
+        (_, true) => Some(Time::Night),
+        _ => None,
     }
 }
 
@@ -131,15 +183,25 @@ pub fn draw(
 ) -> Result<Picture> {
     progress.stage("preparing the scene");
     let renderer = Renderer::new(scene);
+    warn_of_dark(scene, &renderer.left_dark(shadows));
     progress.count("drawing", 0, "rows");
     let picture = renderer.render(camera, options, shadows, &|done, all| progress.set(done as u64, all as u64))?;
     Ok(picture)
 }
 
-/// Gives the scene the lights of a bake: its directional lights shine from where they shone then, and those that
-/// `--sun` added are there.
+/// Says which lights of the scene the bake lacks. Where it has none at all the picture fails, which says enough.
+fn warn_of_dark(scene: &Scene, names: &[&str]) {
+    if (1..scene.lights.len()).contains(&names.len()) {
+        let listed = inputs::listed(names.iter().copied());
+        let many = names.len();
+        output::warn(&[format!("{many} light(s) of the scene are not in the bake and stay dark: {listed}")]);
+    }
+}
+
+/// Gives the scene the directional lights of a bake: they shine from where they shone then, and those that `--sun` added
+/// are there. Lamps stay as the scene has them.
 fn light_as_baked(scene: &mut Scene, file: &ShadowFile) {
-    for baked in file.lights() {
+    for baked in file.lights().filter(|light| light.kind() == BakedKind::Directional) {
         let direction_world = baked.direction_world();
         let same_name = scene.lights.iter_mut().find(|light| light.name == baked.name());
         match same_name.filter(|light| light.kind == LightKind::Directional) {

@@ -3,7 +3,7 @@
 use antumbra_scene::{AlphaMode, Material, Primitive, Scene};
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
-use super::texture::Pyramid;
+use super::{alpha::AlphaMasks, texture::Pyramid};
 use crate::trace::{Hit, Ray, Source, Tracer};
 
 /// A surface where a ray meets it, turned towards the ray: the back of a triangle looks like its front.
@@ -12,6 +12,8 @@ pub(crate) struct Surface {
     pub position: DVec3,
     /// Distance along the ray, metres.
     pub distance: f64,
+    /// Width of what the ray stands for, metres.
+    pub footprint_m: f64,
     /// The triangle's own unit normal.
     pub face_normal: Vec3,
     /// The unit normal for shading: interpolated where the file has normals.
@@ -32,8 +34,9 @@ pub(crate) struct Surfaces<'a> {
     /// By node: turns mesh-space normals into world space.
     normal_matrices: Vec<DMat3>,
     default_material: Material,
-    /// Whether every triangle is opaque, so that hits need no second look.
-    opaque: bool,
+    masks: AlphaMasks<'a>,
+    /// Whether no surface is translucent.
+    solid: bool,
 }
 
 impl<'a> Surfaces<'a> {
@@ -43,28 +46,28 @@ impl<'a> Surfaces<'a> {
             pyramids: scene.images.iter().map(Pyramid::new).collect(),
             normal_matrices: scene.nodes.iter().map(|n| n.world_from_mesh.matrix3.inverse().transpose()).collect(),
             default_material: Material::default(),
-            opaque: scene.materials.iter().all(|m| m.alpha_mode == AlphaMode::Opaque),
+            masks: AlphaMasks::new(scene),
+            solid: scene.materials.iter().all(|m| m.alpha_mode != AlphaMode::Blend),
         }
     }
 
     /// Whether light stops here: opaque and masked surfaces stop it, translucent ones let it through, as in a bake.
     pub(crate) fn casts_shadow(&self, tracer: &Tracer, hit: &Hit) -> bool {
-        self.opaque || self.has_substance(tracer, hit, |_| 1.0)
+        (self.solid || !self.is_translucent(tracer, hit)) && self.masks.keeps(tracer, hit)
     }
 
     /// Whether an eye sees something here. `unit` is a number in 0..1: translucent surfaces are there for a share of
     /// such numbers, so that a mean over many samples blends them.
     pub(crate) fn is_seen(&self, tracer: &Tracer, hit: &Hit, unit: impl Fn(&Hit) -> f32) -> bool {
-        self.opaque || self.has_substance(tracer, hit, unit)
+        if self.solid || !self.is_translucent(tracer, hit) {
+            return self.masks.keeps(tracer, hit);
+        }
+        unit(hit) < Corner::new(self, tracer.source(hit.triangle), hit).color(self, 0.0).w
     }
 
-    fn has_substance(&self, tracer: &Tracer, hit: &Hit, threshold: impl Fn(&Hit) -> f32) -> bool {
-        let corner = Corner::new(self, tracer.source(hit.triangle), hit);
-        match corner.material.alpha_mode {
-            AlphaMode::Opaque => true,
-            AlphaMode::Mask => corner.color(self, 0.0).w >= corner.material.alpha_cutoff,
-            AlphaMode::Blend => threshold(hit) < corner.color(self, 0.0).w,
-        }
+    fn is_translucent(&self, tracer: &Tracer, hit: &Hit) -> bool {
+        let primitive = tracer.source(hit.triangle).primitive(self.scene);
+        primitive.material.is_some_and(|m| self.scene.materials[m].alpha_mode == AlphaMode::Blend)
     }
 
     /// The surface at a hit. `footprint_m` is the width of what the ray stands for: how much texture to average.
@@ -79,6 +82,7 @@ impl<'a> Surfaces<'a> {
         Surface {
             position: position(&triangle, hit),
             distance: hit.t * ray.direction.length(),
+            footprint_m,
             face_normal: face_normal.as_vec3(),
             normal: visible(smooth, towards_eye).as_vec3(),
             towards_eye: towards_eye.as_vec3(),

@@ -1,8 +1,11 @@
-//! A clear sky for any height of the sun, as a table of radiance by direction, and an endless plain under it.
+//! A clear sky for any height of the sun or for the night, as a table of radiance by direction, and an endless plain
+//! under it.
 //!
-//! The table's layout, packed towards the horizon, is that of Hillaire (2020); see [`atmosphere`] for what is in it.
+//! The table's layout, packed towards the horizon, is that of Hillaire (2020); see [`atmosphere`] and [`night`] for what
+//! is in it.
 
 mod atmosphere;
+mod night;
 
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -22,7 +25,12 @@ const LOWEST_SUN: f32 = 0.02;
 const COLUMNS: usize = 64;
 const ROWS: usize = 48;
 
-/// The sky of one sun.
+/// How much more light the night's sky gives than it shows: the town's own glow and eyes that are used to the dark.
+const NIGHT_FILL: f32 = 3.0;
+/// The brightest star, relative to the horizon.
+const STARLIGHT: f32 = 30.0;
+
+/// The sky of one sun, or of a night.
 #[derive(Clone, Debug)]
 pub struct Sky {
     towards_sun: Vec3,
@@ -33,6 +41,10 @@ pub struct Sky {
     /// Mean radiance over the upper hemisphere, weighted by the cosine to the zenith: irradiance over pi.
     overhead: Vec3,
     disc: Vec3,
+    /// Light given per light shown.
+    fill: f32,
+    /// Radiance of the brightest star.
+    stars: f32,
 }
 
 impl Sky {
@@ -50,9 +62,31 @@ impl Sky {
             plain: Vec3::ZERO,
             overhead: Vec3::ZERO,
             disc: sun.irradiance * 60.0,
+            fill: 1.0,
+            stars: 0.0,
         };
         sky.overhead = sky.mean_overhead();
         sky.plain = PLAIN_ALBEDO * (sun.irradiance * (towards_sun.y / PI) + sky.overhead);
+        sky
+    }
+
+    /// The sky of a night, whose horizon has the given radiance (linear, in the unit of pictures). The moon, if there is
+    /// one, stands in it but does not light it.
+    #[must_use]
+    pub fn night(horizon: f32, moon: Option<&Sun>) -> Self {
+        let row = |i: usize| night::gradient(row_height(i / COLUMNS).sin()) * horizon;
+        let mut sky = Self {
+            towards_sun: moon.map_or(Vec3::NEG_Y, |moon| moon.towards_world.as_vec3()),
+            sun_azimuth: Vec3::Z,
+            radiance: (0..COLUMNS * ROWS).map(row).collect(),
+            plain: Vec3::ZERO,
+            overhead: Vec3::ZERO,
+            disc: moon.map_or(Vec3::ZERO, |moon| moon.irradiance * 60.0),
+            fill: NIGHT_FILL,
+            stars: STARLIGHT * horizon,
+        };
+        sky.overhead = sky.mean_overhead();
+        sky.plain = PLAIN_ALBEDO * sky.overhead;
         sky
     }
 
@@ -70,17 +104,21 @@ impl Sky {
     /// records shade.
     #[must_use]
     pub fn light(&self, direction: Vec3) -> Vec3 {
-        paler(self.radiance(direction), 0.35)
+        paler(self.radiance(direction), 0.35) * self.fill
     }
 
-    /// Radiance with the sun's disc, for pictures of the sky itself.
+    /// Radiance with the disc of the sun or moon and the stars, for pictures of the sky itself.
     #[must_use]
     pub fn radiance_with_disc(&self, direction: Vec3) -> Vec3 {
         let sky = self.radiance(direction);
         // The disc's edge: 0.27 degrees, softened to a third of a degree.
         let away = direction.dot(self.towards_sun).clamp(-1.0, 1.0).acos().to_degrees();
         let disc = ((0.33 - away) / 0.12).clamp(0.0, 1.0);
-        if direction.y > 0.0 { sky + self.disc * (disc * disc) } else { sky }
+        if direction.y <= 0.0 {
+            return sky;
+        }
+        let stars = if self.stars > 0.0 { self.stars * night::stars(direction) } else { 0.0 };
+        sky + self.disc * (disc * disc) + stars
     }
 
     /// Light from all sides onto a surface without anything in the way, over pi: what a white surface reflects.
@@ -134,11 +172,15 @@ fn table(sun_y: f32) -> Vec<Vec3> {
     let atmosphere = Atmosphere::new(sun_y);
     let texel = |i: usize| {
         let azimuth = (i % COLUMNS) as f32 / (COLUMNS - 1) as f32 * PI;
-        let height = ((i / COLUMNS) as f32 / (ROWS - 1) as f32).powi(2) * FRAC_PI_2;
-        let (sin, cos) = height.sin_cos();
+        let (sin, cos) = row_height(i / COLUMNS).sin_cos();
         perceived(atmosphere.radiance(Vec3::new(cos * azimuth.cos(), sin, cos * azimuth.sin())))
     };
     (0..COLUMNS * ROWS).map(texel).collect()
+}
+
+/// Angle above the horizon of a row of the table.
+fn row_height(row: usize) -> f32 {
+    (row as f32 / (ROWS - 1) as f32).powi(2) * FRAC_PI_2
 }
 
 #[cfg(test)]

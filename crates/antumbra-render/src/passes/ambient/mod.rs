@@ -1,9 +1,9 @@
-//! Light that reaches a surface otherwise than straight from a sun: from the sky, and from other surfaces that the
-//! sun and the sky light. Both occlude, so that corners, courtyards and the ground under trees grow dark.
+//! Light that reaches a surface otherwise than straight from a light: from the sky, and from other surfaces that the
+//! lights and the sky light. Both occlude, so that corners, courtyards and the ground under trees grow dark.
 //!
 //! Final gathering with one bounce: each pixel sends a few rays about its normal with a density of cosine. A ray that
-//! escapes brings the sky's light; one that hits brings what that surface reflects of the sun (with its shadow, from
-//! the picture's own source of shadows) and of the sky. The few rays' noise is then smoothed along surfaces.
+//! escapes brings the sky's light; one that hits brings what that surface reflects of the suns and of one lamp (with their
+//! shadows, from the picture's own source of shadows) and of the sky. The few rays' noise is then smoothed along surfaces.
 
 pub(crate) mod reference;
 

@@ -6,7 +6,11 @@ use std::f32::consts::PI;
 use super::Gathered;
 use crate::{
     camera::View,
-    passes::{World, shadow::SunVisibilities},
+    light::{Lamplight, luminance},
+    passes::{
+        World,
+        shadow::{Place, Shadows},
+    },
     sampling,
     surface::Surface,
 };
@@ -16,19 +20,21 @@ use crate::{
 const SECOND_BOUNCE: f32 = 0.15;
 /// Distance at which a surface gets half of that share, in diagonals of the scene.
 const NEARBY: f64 = 0.01;
+/// Lamps count for at most this much at the end of a gathering ray, relative to what is plainly lit.
+const BRIGHTEST: f32 = 8.0;
 /// Width of the cone that a gathering ray stands for, per distance.
 const WIDTH: f64 = 0.2;
 
 /// Gathers one row of pixels, through the pixels' middles.
-pub(crate) fn row(world: &World<'_>, shadows: &SunVisibilities<'_>, view: &View, y: u32, rays: u32) -> Vec<Gathered> {
+pub(crate) fn row(world: &World<'_>, shadows: &Shadows<'_>, view: &View, y: u32, rays: u32) -> Vec<Gathered> {
     (0..view.width).map(|x| pixel(world, shadows, view, [x, y], rays)).collect()
 }
 
-fn pixel(world: &World<'_>, shadows: &SunVisibilities<'_>, view: &View, [x, y]: [u32; 2], rays: u32) -> Gathered {
+fn pixel(world: &World<'_>, shadows: &Shadows<'_>, view: &View, [x, y]: [u32; 2], rays: u32) -> Gathered {
     let ray = view.ray(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
-    let seen = |hit: &_| world.surfaces.is_seen(&world.tracer, hit, |_| 0.5);
+    let seen = |hit: &_| world.surfaces.is_seen(world.tracer, hit, |_| 0.5);
     let Some(hit) = world.tracer.closest_if(&ray, seen) else { return Gathered::default() };
-    let surface = world.surfaces.at(&world.tracer, &ray, &hit, 0.0);
+    let surface = world.surfaces.at(world.tracer, &ray, &hit, 0.0);
     let offset = sampling::pixel_offset(x, y);
     let points = (0..rays).map(|i| (sampling::r2(i).as_vec2() + offset).fract());
     Gathered {
@@ -40,7 +46,7 @@ fn pixel(world: &World<'_>, shadows: &SunVisibilities<'_>, view: &View, [x, y]: 
 }
 
 /// Radiance along one gathering ray.
-fn incoming(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface, point: Vec2) -> Vec3 {
+fn incoming(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, point: Vec2) -> Vec3 {
     let mut direction = sampling::cosine_direction(surface.normal, point);
     // Where the smooth normal leans over, some directions would start into the triangle: mirror them out.
     let below = direction.dot(surface.face_normal);
@@ -48,27 +54,61 @@ fn incoming(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface,
         direction -= 2.0 * below * surface.face_normal;
     }
     let ray = world.leaving(surface.position, surface.face_normal, direction.as_dvec3());
-    let there = |hit: &_| world.surfaces.is_seen(&world.tracer, hit, |_| point.x);
+    let there = |hit: &_| world.surfaces.is_seen(world.tracer, hit, |_| point.x);
     match world.tracer.closest_if(&ray, there) {
         Some(hit) => {
             let far = (hit.t / (hit.t + NEARBY * world.diagonal_m)) as f32;
-            bounced(world, shadows, &world.surfaces.at(&world.tracer, &ray, &hit, WIDTH * hit.t), far)
+            bounced(world, shadows, &world.surfaces.at(world.tracer, &ray, &hit, WIDTH * hit.t), far, second_use(point))
         }
         None => world.sky.light(direction),
     }
 }
 
-/// What a surface reflects of the sun and the sky, as seen by a gathering ray. `far` is 0 for nearby to 1.
-fn bounced(world: &World<'_>, shadows: &SunVisibilities<'_>, surface: &Surface, far: f32) -> Vec3 {
+/// What a surface reflects of the lights and the sky, as seen by a gathering ray. `far` is 0 for nearby to 1, `unit` any
+/// number in 0..1.
+fn bounced(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, far: f32, unit: f32) -> Vec3 {
     let mut light = world.outdoors * (SECOND_BOUNCE * far);
-    for (sun, shadow) in world.suns.iter().zip(shadows) {
+    // At full depth: a ray's wide cone would push the lookup far off its surface.
+    let place = Place { footprint_m: 0.0, ..Place::of(surface) };
+    for (index, sun) in world.suns.iter().enumerate() {
         let cos = surface.face_normal.dot(sun.towards_world.as_vec3());
         if cos > 0.0 {
-            let visible = shadow.visibility(surface.position, surface.face_normal.as_dvec3());
-            light += sun.irradiance * (cos * visible / PI);
+            light += sun.irradiance * (cos * shadows.of_sun(index, &place) / PI);
         }
     }
-    surface.albedo * light + surface.emissive
+    surface.albedo * (light + lamplight(world, shadows, surface, &place, unit)) + surface.emissive * world.glow
+}
+
+/// What a white surface reflects of the lamps, by asking one of them: a lamp is drawn the more often the more light it
+/// would give, and then stands for all. However many lamps there are, one lookup does.
+fn lamplight(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, place: &Place, mut unit: f32) -> Vec3 {
+    let (mut total, mut drawn) = (0.0, None);
+    world.lamps.reaching(surface.position, |index, Lamplight { towards, irradiance }| {
+        let light = irradiance * surface.face_normal.dot(towards).max(0.0);
+        let weight = luminance(light);
+        if weight <= 0.0 {
+            return;
+        }
+        total += weight;
+        // Each takes the earlier ones' place by its share of what there is so far; what is left of the number is as
+        // random as it was.
+        let share = weight / total;
+        if unit < share {
+            drawn = Some((index, light / weight));
+            unit /= share;
+        } else {
+            unit = (unit - share) / (1.0 - share);
+        }
+    });
+    let Some((index, color)) = drawn else { return Vec3::ZERO };
+    // What is right beside a lamp is so bright that a ray that happens to find it would show as a speck.
+    let brightness = total.min(BRIGHTEST * world.plainly_lit);
+    color * (brightness * shadows.of_lamp(index, place) / PI)
+}
+
+/// A number in 0..1 from a point of the unit square, unlike either of its coordinates.
+fn second_use(point: Vec2) -> f32 {
+    (point.x * 61.0 + point.y * 17.0).fract()
 }
 
 /// One row of one smoothing step: an edge-avoiding blur whose taps lie `spacing` pixels apart. After Dammertz, Sewtz,

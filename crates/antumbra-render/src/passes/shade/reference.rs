@@ -5,8 +5,13 @@ use std::f32::consts::PI;
 
 use crate::{
     camera::View,
-    light::Sun,
-    passes::{World, ambient::Gathered, gbuffer::Texel},
+    light::luminance,
+    passes::{
+        World,
+        ambient::Gathered,
+        gbuffer::Texel,
+        shadow::{Beam, Beams},
+    },
     surface::Surface,
 };
 
@@ -20,63 +25,73 @@ const VISIBLE_AT_LEAST_M: f64 = 3000.0;
 /// Light of the haze relative to the horizon's: it does not reach all the way to the sky behind.
 const HAZE_LIGHT: f32 = 0.8;
 
+/// A pixel's light.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shaded {
+    pub radiance: Vec3,
+    /// Brightness of what surfaces reflect, without what they give off: what an exposure is measured by. 0 for the sky.
+    pub metered: f32,
+}
+
 /// What a row is shaded from.
 pub(crate) struct Inputs<'a> {
     pub texels: &'a [Texel],
-    /// Visibility of each sun for each texel.
-    pub shadows: &'a [f32],
+    /// The lights on each texel.
+    pub beams: &'a Beams,
     /// Gathered light of the whole picture; empty where nothing was gathered.
     pub gathered: &'a [Gathered],
     pub samples: u32,
 }
 
-/// Radiance of one row of pixels: the mean of their samples.
-pub(crate) fn row(world: &World<'_>, view: &View, y: u32, inputs: &Inputs<'_>) -> Vec<Vec3> {
-    let samples = inputs.samples as usize;
-    let shadows: Vec<&[f32]> = inputs.shadows.chunks(world.suns.len()).collect();
+/// One row of pixels: the mean of their samples.
+pub(crate) fn row(world: &World<'_>, view: &View, y: u32, inputs: &Inputs<'_>) -> Vec<Shaded> {
+    let mut beams = inputs.beams.by_sample();
     let pixel = |(x, texels): (usize, &[Texel])| {
-        let shade = |(i, texel): (usize, &Texel)| match &texel.surface {
-            Some(surface) => {
-                let ambient = ambient(world, view, inputs.gathered, [x as u32, y], surface);
-                hazy(world, texel, surface, lit(world, surface, shadows[x * samples + i], ambient))
-            }
-            None => world.sky.radiance_with_disc(texel.direction),
-        };
-        texels.iter().enumerate().map(shade).sum::<Vec3>() / samples as f32
+        let mut sum = Shaded::default();
+        for (texel, beams) in texels.iter().zip(beams.by_ref()) {
+            let Some(surface) = &texel.surface else {
+                sum.radiance += world.sky.radiance_with_disc(texel.direction);
+                continue;
+            };
+            let ambient = ambient(world, view, inputs.gathered, [x as u32, y], surface);
+            let glow = surface.emissive * world.glow;
+            let light = lit(world, surface, beams, ambient, glow);
+            sum.radiance += hazy(world, texel, surface, light);
+            sum.metered += luminance(light - glow);
+        }
+        let samples = inputs.samples as f32;
+        Shaded { radiance: sum.radiance / samples, metered: sum.metered / samples }
     };
-    inputs.texels.chunks(samples).enumerate().map(pixel).collect()
+    inputs.texels.chunks(inputs.samples as usize).enumerate().map(pixel).collect()
 }
 
-/// What a surface sends to the eye.
-fn lit(world: &World<'_>, surface: &Surface, shadows: &[f32], ambient: Vec3) -> Vec3 {
+/// What a surface sends to the eye, with what it gives off by itself.
+fn lit(world: &World<'_>, surface: &Surface, beams: &[Beam], ambient: Vec3, glow: Vec3) -> Vec3 {
     let diffuse = surface.albedo * (1.0 - surface.metallic);
-    let mut light = diffuse * ambient + reflected_sky(world, surface, ambient) + surface.emissive;
-    for (sun, &visible) in world.suns.iter().zip(shadows) {
-        if visible > 0.0 {
-            light += (diffuse / PI + highlight(surface, sun)) * sun.irradiance * (incidence(surface, sun) * visible);
-        }
+    let mut light = diffuse * ambient + reflected_sky(world, surface, ambient) + glow;
+    for &Beam { towards, irradiance, visible } in beams {
+        light += (diffuse / PI + highlight(surface, towards)) * irradiance * (incidence(surface, towards) * visible);
     }
     light
 }
 
-/// Cosine of the sun to the shading normal, taken to zero where the triangle itself turns away.
+/// Cosine of a light to the shading normal, taken to zero where the triangle itself turns away.
 ///
 /// Chiang, Li and Burley (2019), "Taming the Shadow Terminator": without it coarse smooth meshes end the light in
 /// facets.
-fn incidence(surface: &Surface, sun: &Sun) -> f32 {
-    let towards = sun.towards_world.as_vec3();
+fn incidence(surface: &Surface, towards: Vec3) -> f32 {
     let (smooth, face) = (surface.normal.dot(towards).max(0.0), surface.face_normal.dot(towards).max(0.0));
     let between = surface.normal.dot(surface.face_normal).max(1e-3);
     let g = (face / (smooth * between).max(1e-6)).min(1.0);
     smooth * (-g * g * g + g * g + g)
 }
 
-/// The sun's microfacet reflection.
-fn highlight(surface: &Surface, sun: &Sun) -> Vec3 {
-    let (n, v, l) = (surface.normal, surface.towards_eye, sun.towards_world.as_vec3());
+/// A light's microfacet reflection.
+fn highlight(surface: &Surface, towards: Vec3) -> Vec3 {
+    let (n, v, l) = (surface.normal, surface.towards_eye, towards);
     let h = (v + l).normalize_or_zero();
     let (nv, nl) = (n.dot(v).max(1e-3), n.dot(l).max(1e-3));
-    // A sharper mirror would show the sun as a handful of blinding samples.
+    // A sharper mirror would show a light as a handful of blinding samples.
     let alpha = surface.roughness.max(0.15).powi(2);
     let alpha_2 = alpha * alpha;
     let peak = n.dot(h).powi(2) * (alpha_2 - 1.0) + 1.0;

@@ -1,29 +1,39 @@
 //! Shadow lookups, on the CPU.
 
-use super::SunVisibilities;
+use super::{Beam, Beams, Place, Shadows, faces};
 use crate::{
-    light::Sun,
     passes::{World, gbuffer::Texel},
     surface::Surface,
 };
 
-/// Visibility of each sun for each sample of a row: sample by sample, sun by sun.
-pub(crate) fn row(world: &World<'_>, visibilities: &SunVisibilities<'_>, texels: &[Texel]) -> Vec<f32> {
-    let suns = || world.suns.iter().zip(visibilities);
-    let at = |texel: &Texel| {
-        let surface = texel.surface;
-        suns().map(move |(sun, shadow)| {
-            let lookup =
-                |s: Surface| if faces(&s, sun) { shadow.visibility(s.position, s.face_normal.as_dvec3()) } else { 0.0 };
-            surface.map_or(1.0, lookup)
-        })
-    };
-    texels.iter().flat_map(at).collect()
+/// The lights that reach each sample of a row.
+pub(crate) fn row(world: &World<'_>, shadows: &Shadows<'_>, texels: &[Texel]) -> Beams {
+    let mut row = Beams::default();
+    for texel in texels {
+        if let Some(surface) = &texel.surface {
+            from_suns(world, shadows, surface, &mut row.beams);
+            from_lamps(world, shadows, surface, &mut row.beams);
+        }
+        row.ends.push(row.beams.len());
+    }
+    row
 }
 
-/// Whether light can fall on the side that is seen: the triangle's own side decides, not its smooth normal's, or light
-/// would come through from behind.
-fn faces(surface: &Surface, sun: &Sun) -> bool {
-    let towards = sun.towards_world.as_vec3();
-    surface.face_normal.dot(towards) > 0.0 && surface.normal.dot(towards) > 0.0
+fn from_suns(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, beams: &mut Vec<Beam>) {
+    for (index, sun) in world.suns.iter().enumerate() {
+        let towards = sun.towards_world.as_vec3();
+        let visible = if faces(surface, towards) { shadows.of_sun(index, &Place::of(surface)) } else { 0.0 };
+        if visible > 0.0 {
+            beams.push(Beam { towards, irradiance: sun.irradiance, visible });
+        }
+    }
+}
+
+fn from_lamps(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, beams: &mut Vec<Beam>) {
+    world.lamps.reaching(surface.position, |index, light| {
+        let visible = if faces(surface, light.towards) { shadows.of_lamp(index, &Place::of(surface)) } else { 0.0 };
+        if visible > 0.0 {
+            beams.push(Beam::of_lamp(light, visible));
+        }
+    });
 }

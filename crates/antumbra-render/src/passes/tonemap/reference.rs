@@ -4,8 +4,13 @@
 //! of Pettineo and Neubelt: deep shadows, colours that fade towards white as they get brighter.
 
 use glam::{Mat3, Vec3};
+use std::f32::consts::PI;
 
-use crate::{passes::World, surface::srgb_from_linear};
+use crate::{
+    light::{Time, luminance},
+    passes::{World, shade::reference::Shaded},
+    surface::srgb_from_linear,
+};
 
 /// From linear sRGB to the space of the curve, with the reference transform's desaturation, and back.
 const INTO: Mat3 =
@@ -16,24 +21,55 @@ const BACK: Mat3 =
 /// Contrast about middle grey, before the curve's own.
 const CONTRAST: f32 = 0.93;
 
-/// Factor that exposes a picture: sunlit ground comes out light but not white. It follows from the lights alone, so
-/// that pictures of a scene with different shadows compare; only a picture that is dark all over (a room) is lifted.
-pub(crate) fn exposure(world: &World<'_>, radiance: &[Vec3]) -> f32 {
+/// At night, the typical lit place comes out as bright as this, before the curve.
+const NIGHT_KEY: f32 = 0.30;
+/// Albedo of a typical surface.
+const TYPICAL_ALBEDO: f32 = 0.3;
+/// Brightest share of what is seen that does not count: hot spots right under lamps.
+const HOT_SHARE: f64 = 0.02;
+
+/// Factor that exposes a picture.
+pub(crate) fn exposure(world: &World<'_>, shaded: &[Shaded]) -> f32 {
+    match world.time {
+        Time::Day => day_exposure(world, shaded),
+        Time::Night => night_exposure(world, shaded.iter().map(|s| s.metered).filter(|&m| m > 0.0).collect()),
+    }
+}
+
+/// Sunlit ground comes out light but not white. It follows from the lights alone, so that pictures of a scene with
+/// different shadows compare; only a picture that is dark all over (a room) is lifted.
+fn day_exposure(world: &World<'_>, shaded: &[Shaded]) -> f32 {
     let white = luminance(world.outdoors).max(1e-6);
     let exposure = 1.9 / white;
-    exposure * lift(radiance, exposure)
+    exposure * lift(shaded, exposure)
 }
 
 /// 1 unless the picture's typical pixel is dark, then up to 8.
-fn lift(radiance: &[Vec3], exposure: f32) -> f32 {
-    let log_sum: f64 = radiance.iter().map(|&c| f64::from((luminance(c) * exposure).clamp(1e-3, 10.0).ln())).sum();
-    let typical = (log_sum / radiance.len().max(1) as f64).exp() as f32;
+fn lift(shaded: &[Shaded], exposure: f32) -> f32 {
+    let log_sum: f64 =
+        shaded.iter().map(|s| f64::from((luminance(s.radiance) * exposure).clamp(1e-3, 10.0).ln())).sum();
+    let typical = (log_sum / shaded.len().max(1) as f64).exp() as f32;
     (0.17 / typical).clamp(1.0, 8.0)
 }
 
-/// Rec. 709.
-fn luminance(color: Vec3) -> f32 {
-    color.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+/// What is seen of the lamps' light decides, however little of the picture it is: the mean (of logarithms) over what
+/// surfaces reflect, each pixel weighed by its own brightness. Windows and signs do not count, nor do hot spots. A picture
+/// of the dark stays dark.
+fn night_exposure(world: &World<'_>, mut metered: Vec<f32>) -> f32 {
+    let lit = world.plainly_lit * TYPICAL_ALBEDO / PI;
+    let hottest = (metered.len() as f64 * HOT_SHARE) as usize;
+    if metered.is_empty() {
+        return NIGHT_KEY / lit;
+    }
+    let most = *metered.select_nth_unstable_by(hottest, |a, b| b.total_cmp(a)).1;
+    // In the order of brightness, for sums that do not depend on how the selection went.
+    metered.sort_unstable_by(f32::total_cmp);
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for brightness in metered.into_iter().map(|m| f64::from(m.min(most))) {
+        sum += brightness * brightness.ln();
+        weights += brightness;
+    }
+    NIGHT_KEY / ((sum / weights).exp() as f32).clamp(lit * 0.3, lit * 16.0)
 }
 
 /// One exposed linear color as sRGB bytes. `dither` is in 0..1 and differs from pixel to pixel: it spreads the

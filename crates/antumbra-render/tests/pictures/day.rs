@@ -1,71 +1,11 @@
-//! Pictures checked against what geometry says they must show.
+//! Daylight: a sun and its sky.
 
-use antumbra::{Filter, LightRecord, ShadowFile, format};
-use antumbra_render::{Picture, RenderError, RenderOptions, Renderer, ShadowSource, default_camera, look_at, render};
-use antumbra_scene::{
-    AlphaMode, Camera, Image, Light, LightKind, Material, Mesh, Node, Primitive, Scene, TextureRef, Wrap,
-};
-use glam::{DAffine3, DVec3};
+use antumbra::{Filter, ShadowFile, format};
+use antumbra_render::{RenderError, RenderOptions, Renderer, ShadowSource, default_camera, look_at, render};
+use antumbra_scene::{AlphaMode, Camera, Image, Material, Scene, TextureRef, Wrap};
+use glam::DVec3;
 
-const SILENT: &(dyn Fn(usize, usize) + Sync) = &|_, _| {};
-
-fn sun(direction: DVec3) -> Light {
-    Light {
-        name: "sun".into(),
-        kind: LightKind::Directional,
-        position_world: DVec3::ZERO,
-        direction_world: direction.normalize(),
-        color: [1.0; 3],
-        intensity: 1.0,
-        range_m: None,
-    }
-}
-
-fn quad(corners: [[f32; 3]; 4], material: usize) -> Primitive {
-    Primitive {
-        positions: corners.to_vec(),
-        texcoords: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        material: Some(material),
-        ..Primitive::default()
-    }
-}
-
-/// Level, facing up, by its extent in x and z.
-fn level(x: [f32; 2], y: f32, z: [f32; 2], material: usize) -> Primitive {
-    quad([[x[0], y, z[1]], [x[1], y, z[1]], [x[1], y, z[0]], [x[0], y, z[0]]], material)
-}
-
-fn scene(primitives: Vec<Primitive>, materials: Vec<Material>, light: Light) -> Scene {
-    let node = Node { name: "node".into(), mesh: 0, world_from_mesh: DAffine3::IDENTITY, dynamic: false };
-    Scene {
-        meshes: vec![Mesh { name: "mesh".into(), primitives }],
-        nodes: vec![node],
-        materials,
-        lights: vec![light],
-        ..Scene::default()
-    }
-}
-
-/// Looks straight down from 10 m: a picture of 64 x 64 pixels shows x and z from -4 to 4, an eighth of a metre each.
-fn from_above() -> Camera {
-    let fov_y = 2.0 * 0.4_f64.atan();
-    look_at(DVec3::Y * 10.0, DVec3::ZERO, fov_y).expect("a camera")
-}
-
-fn options() -> RenderOptions {
-    RenderOptions { width: 64, height: 64, samples: 4, ao_samples: 0, exposure: None }
-}
-
-fn picture(scene: &Scene, options: &RenderOptions, shadows: ShadowSource<'_>) -> Picture {
-    render(scene, &from_above(), options, shadows, SILENT).expect("a picture")
-}
-
-/// Green radiance at the pixel that shows a point of the ground.
-fn at(picture: &Picture, x: f64, z: f64) -> f32 {
-    let pixel = |c: f64| ((c + 4.0) * 8.0) as usize;
-    picture.hdr()[pixel(z) * 64 + pixel(x)][1]
-}
+use crate::common::{SILENT, at, cluttered, from_above, level, options, picture, quad, scene, sun, uniform_file};
 
 #[test]
 fn a_shadow_falls_where_the_sun_throws_it() {
@@ -146,16 +86,6 @@ fn an_open_box_is_darker_inside_and_darkest_in_its_corners() {
     assert!(middle < 0.8 * outside && corner < 0.8 * middle, "{outside} {middle} {corner}");
 }
 
-fn cluttered() -> Scene {
-    let plates = (0..40).map(|i| {
-        let (x, y, z) = ((i % 7) as f32 - 3.0, 0.3 + (i % 5) as f32 * 0.4, (i / 7) as f32 - 3.0);
-        level([x, x + 0.6], y, [z, z + 0.7], 0)
-    });
-    let mut primitives: Vec<Primitive> = plates.collect();
-    primitives.push(level([-9.0, 9.0], 0.0, [-9.0, 9.0], 0));
-    scene(primitives, vec![Material::default()], sun(DVec3::new(0.3, -1.0, -0.5)))
-}
-
 #[test]
 fn threads_change_nothing() {
     let scene = cluttered();
@@ -164,37 +94,6 @@ fn threads_change_nothing() {
         pool.install(|| picture(&scene, &RenderOptions { ao_samples: 8, ..options() }, ShadowSource::Traced))
     };
     assert_eq!(draw(1), draw(2));
-}
-
-/// A file whose light is all lit or all shadowed.
-fn uniform_file(name: &str, root: u32) -> ShadowFile {
-    let light = LightRecord {
-        name_offset: 0,
-        name_length: name.len() as u32,
-        kind: 0,
-        log2_resolution: 6,
-        interior: 0,
-        encoding: 0,
-        roots: [root, 0, 0, 0, 0, 0],
-        interior_parameter_m: 0.0,
-        texel_size_m: 1.0,
-        slice_size_m: 1.0,
-        near_m: 0.0,
-        far_m: 0.0,
-        cone_cosine: 0.0,
-        origin_world: [0.0; 3],
-        linear: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
-        voxel_of_origin: [32.0; 3],
-        direction_world: [0.0, -1.0, 0.0],
-        faces: 1,
-        depth: 0,
-        texels_per_tangent: 0.0,
-    };
-    // No nodes: just the pool's header.
-    let pool = [0; format::dag8::POOL_HEADER_WORDS];
-    let lights = [light];
-    let contents = format::write::Contents::new(&lights, name, &pool, Default::default());
-    ShadowFile::from_bytes(&format::write::write(&contents)).expect("a valid file")
 }
 
 #[test]

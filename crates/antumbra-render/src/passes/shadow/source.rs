@@ -1,0 +1,162 @@
+//! Where shadows come from: rays or a bake.
+
+use antumbra::{Filter, LightKind, LightShadow, Prefilter, ShadowFile};
+use antumbra_scene::Light;
+use glam::DVec3;
+
+use crate::{RenderError, passes::World, surface::Surface};
+
+/// Where a picture's shadows come from.
+///
+/// A bake knows lights by their names. Lights of the scene that it lacks stay dark ([`Renderer::left_dark`] names them);
+/// one that has none of them is an error.
+///
+/// [`Renderer::left_dark`]: crate::Renderer::left_dark
+#[derive(Clone, Copy, Debug, Default)]
+pub enum ShadowSource<'a> {
+    /// There are none.
+    None,
+    /// Rays to the lights: hard and exact.
+    #[default]
+    Traced,
+    /// A baked file.
+    Dag {
+        /// The bake.
+        shadows: &'a ShadowFile,
+        /// The taps of percentage-closer filtering.
+        filter: Filter,
+    },
+    /// A baked file, averaged over what each pixel covers.
+    Prefiltered {
+        /// The bake.
+        shadows: &'a ShadowFile,
+        /// How to average. [`Prefilter::Levels`] wants a file with levels ([`LightShadow::has_levels`]).
+        how: Prefilter,
+    },
+}
+
+impl<'a> ShadowSource<'a> {
+    /// The bake, if there is one.
+    pub(crate) fn file(self) -> Option<&'a ShadowFile> {
+        match self {
+            Self::None | Self::Traced => None,
+            Self::Dag { shadows, .. } | Self::Prefiltered { shadows, .. } => Some(shadows),
+        }
+    }
+
+    /// The lights of a scene whose shadows are known.
+    pub(crate) fn known(self, lights: &[Light]) -> Result<Vec<Light>, RenderError> {
+        let known: Vec<Light> = lights.iter().filter(|light| self.knows(light)).cloned().collect();
+        let Some(file) = self.file() else { return Ok(known) };
+        let is_sun = |light: &&Light| light.kind == antumbra_scene::LightKind::Directional;
+        let first = lights.iter().find(is_sun).or(lights.first());
+        let missing = match first {
+            Some(first) if known.is_empty() => &first.name[..],
+            None if file.light(STAND_IN).is_none() => STAND_IN,
+            _ => return Ok(known),
+        };
+        let present = file.lights().map(LightShadow::name).collect::<Vec<_>>().join(", ");
+        Err(RenderError::LightNotInFile { light: missing.to_owned(), present })
+    }
+
+    /// Whether the shadows of a scene's light are known.
+    pub(crate) fn knows(self, light: &Light) -> bool {
+        let kind = match light.kind {
+            antumbra_scene::LightKind::Directional => LightKind::Directional,
+            antumbra_scene::LightKind::Point => LightKind::Point,
+            antumbra_scene::LightKind::Spot { .. } => LightKind::Spot,
+        };
+        self.file().is_none_or(|file| baked(file, &light.name, |baked| baked == kind).is_some())
+    }
+}
+
+fn baked<'a>(file: &'a ShadowFile, name: &str, kind: impl Fn(LightKind) -> bool) -> Option<LightShadow<'a>> {
+    file.light(name).filter(|light| kind(light.kind()))
+}
+
+/// The sun that stands in for a missing one is baked under the name that `--sun` gives.
+const STAND_IN: &str = "sun";
+
+/// A point of a surface that asks for its shadows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub position: DVec3,
+    /// The triangle's own unit normal; it looks towards the light that is asked for.
+    pub normal: DVec3,
+    /// Width of what the point stands for, metres.
+    pub footprint_m: f64,
+}
+
+impl Place {
+    pub(crate) fn of(surface: &Surface) -> Self {
+        Self { position: surface.position, normal: surface.face_normal.as_dvec3(), footprint_m: surface.footprint_m }
+    }
+}
+
+/// Answers which lights of a world reach a point: what stands between a picture's shading and its shadows' source.
+pub(crate) struct Shadows<'w> {
+    world: &'w World<'w>,
+    source: ShadowSource<'w>,
+    /// By sun and by lamp, where the source is a bake; `None` for lights that it lacks.
+    suns: Vec<Option<LightShadow<'w>>>,
+    lamps: Vec<Option<LightShadow<'w>>>,
+}
+
+impl<'w> Shadows<'w> {
+    pub(crate) fn new(world: &'w World<'_>, source: ShadowSource<'w>) -> Self {
+        let mut shadows = Self { world, source, suns: Vec::new(), lamps: Vec::new() };
+        if let Some(file) = source.file() {
+            let is_local = |kind| kind != LightKind::Directional;
+            let suns = world
+                .suns
+                .iter()
+                .map(|sun| baked(file, sun.name.as_deref().unwrap_or(STAND_IN), |kind| !is_local(kind)));
+            shadows.suns = suns.collect();
+            shadows.lamps = world.lamps.all().iter().map(|lamp| baked(file, &lamp.name, is_local)).collect();
+        }
+        shadows
+    }
+
+    /// How much of a sun reaches a point: 0 in shadow to 1 in full light.
+    pub(crate) fn of_sun(&self, index: usize, place: &Place) -> f32 {
+        self.of(&self.suns, index, place, || {
+            let sun = &self.world.suns[index];
+            (sun.towards_world, f64::INFINITY)
+        })
+    }
+
+    /// How much of a lamp reaches a point.
+    pub(crate) fn of_lamp(&self, index: usize, place: &Place) -> f32 {
+        self.of(&self.lamps, index, place, || {
+            let lamp = &self.world.lamps.all()[index];
+            (lamp.position_world - place.position, lamp.casters_end(place.position))
+        })
+    }
+
+    /// `way` is the direction from the point to the light, and the parameter along it up to which casters count.
+    fn of(
+        &self,
+        baked: &[Option<LightShadow<'_>>],
+        index: usize,
+        place: &Place,
+        way: impl Fn() -> (DVec3, f64),
+    ) -> f32 {
+        let Place { position, normal, footprint_m } = *place;
+        match self.source {
+            ShadowSource::None => 1.0,
+            ShadowSource::Traced => self.traced(place, way()),
+            ShadowSource::Dag { filter, .. } => {
+                baked[index].map_or(0.0, |light| light.filtered(position, Some(normal), filter))
+            }
+            ShadowSource::Prefiltered { how, .. } => {
+                baked[index].map_or(0.0, |light| light.prefiltered(position, Some(normal), footprint_m, how))
+            }
+        }
+    }
+
+    fn traced(&self, place: &Place, (direction, end): (DVec3, f64)) -> f32 {
+        let World { tracer, surfaces, .. } = self.world;
+        let ray = self.world.leaving(place.position, place.normal.as_vec3(), direction).between(0.0, end);
+        if tracer.occluded_if(&ray, |hit| surfaces.casts_shadow(tracer, hit)) { 0.0 } else { 1.0 }
+    }
+}

@@ -1,0 +1,6 @@
+//! Pictures checked against what geometry says they must show.
+
+mod common;
+mod day;
+mod masks;
+mod night;
