@@ -107,7 +107,7 @@ mod tests {
             direction_world: DVec3::NEG_Z,
             color: [1.0; 3],
             intensity: 128_000.0,
-            range_m: (i % 4 != 0).then_some(1.0 + f64::from(i % 7)),
+            range_m: (!i.is_multiple_of(4)).then_some(1.0 + f64::from(i % 7)),
         };
         Lamp::of_light(&light, 60.0).expect("a lamp")
     }
