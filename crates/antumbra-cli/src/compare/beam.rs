@@ -31,10 +31,8 @@ pub struct Lamp {
     pub grid_tangent: f64,
 }
 
-/// What lies between a point and a light.
+/// What lies between a point and a light, whose cone does not count.
 pub enum Way {
-    /// The point lies outside a spot light's cone.
-    Dark,
     /// It lies before everything that casts.
     Bright,
     /// Whatever this path meets.
@@ -70,6 +68,19 @@ impl Beam {
         })
     }
 
+    /// A point, or the point on its ray where the light's range ends if it lies beyond that.
+    pub fn within_range(&self, point_world: DVec3) -> DVec3 {
+        let Self::Lamp(lamp) = self else { return point_world };
+        let share = lamp.far_m / lamp.depth(point_world);
+        let is_beyond = (0.0..1.0).contains(&share);
+        if is_beyond { lamp.position_world + (point_world - lamp.position_world) * share } else { point_world }
+    }
+
+    /// Whether a point lies outside a spot light's cone.
+    pub fn is_outside_cone(&self, point_world: DVec3) -> bool {
+        matches!(self, Self::Lamp(lamp) if lamp.is_outside_cone(point_world))
+    }
+
     /// The way from a point to the light.
     pub fn way(&self, point_world: DVec3) -> Way {
         match self {
@@ -83,9 +94,6 @@ impl Beam {
 
 impl Lamp {
     fn way(&self, point_world: DVec3) -> Way {
-        if self.is_outside_cone(point_world) {
-            return Way::Dark;
-        }
         let depth = self.depth(point_world);
         if depth < self.near_m {
             return Way::Bright;

@@ -28,10 +28,10 @@ impl<'a> Edge<'a> {
 
     /// Whether the truth changes within a texel and a slice.
     pub fn is_near(&self, point_world: DVec3) -> bool {
-        let truth = self.truth(point_world);
-        let grid = Grid::new(self.sight.light(), point_world);
+        let truth = self.sight.truth(point_world, None);
+        let grid = self.grid(point_world);
         let rings = std::iter::once(0.0).chain(NEAR_RINGS);
-        rings.flat_map(|radius| ring(&grid, [0.0; 2], radius)).any(|p| self.truth(p) != truth)
+        rings.flat_map(|radius| ring(&grid, [0.0; 2], radius)).any(|p| self.sight.truth(p, None) != truth)
     }
 
     /// A point of a surface, moved off it as far as a lookup with a filter of three taps moves it, and two slices more:
@@ -45,9 +45,11 @@ impl<'a> Edge<'a> {
     /// Distance of the nearest point at which the truth is what the bake says (or free to be so), texels: the radius of
     /// the first ring that has one, infinite if none has.
     pub fn distance_texels(&self, point_world: DVec3, bake_lit: bool) -> f64 {
-        let grid = Grid::new(self.sight.light(), point_world);
+        let grid = self.grid(point_world);
+        // A bake knows of no cone: a point inside it has its texel's shadow, whose middle may lie outside.
+        let is_cut_off = self.sight.beam().is_outside_cone(point_world);
         let explains = |p: DVec3| {
-            let truth = self.truth(p);
+            let truth = if is_cut_off { self.sight.truth(p, None) } else { self.sight.cast(p, None) };
             truth.is_free() || bake_lit == (truth == Truth::Lit)
         };
         let ring_explains = |radius: &f64| ring(&grid, [0.0; 2], *radius).any(explains);
@@ -62,8 +64,9 @@ impl<'a> Edge<'a> {
         FAR_RINGS.into_iter().find(|radius| ring_explains(radius)).unwrap_or(f64::INFINITY)
     }
 
-    fn truth(&self, point_world: DVec3) -> Truth {
-        self.sight.truth(point_world, None)
+    /// The grid about a point. What lies beyond the light's range has the answers of its end, and its edges.
+    fn grid(&self, point_world: DVec3) -> Grid {
+        Grid::new(self.sight.light(), self.sight.beam().within_range(point_world))
     }
 }
 

@@ -67,8 +67,12 @@ impl<'a> Sight<'a> {
     /// seen from outside: the triangle casts nothing on itself, and where it faces away from the light, its own solid
     /// does.
     pub fn truth(&self, point_world: DVec3, own: Option<TriangleId>) -> Truth {
+        if self.beam.is_outside_cone(point_world) { Truth::Shadowed } else { self.cast(point_world, own) }
+    }
+
+    /// The same by what casts alone: a spot light's cone does not count.
+    pub fn cast(&self, point_world: DVec3, own: Option<TriangleId>) -> Truth {
         let mut path = match self.beam.way(point_world) {
-            Way::Dark => return Truth::Shadowed,
             Way::Bright => return Truth::Lit,
             Way::Path(path) => path,
         };
