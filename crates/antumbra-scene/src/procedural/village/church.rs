@@ -103,7 +103,7 @@ fn tower_face(b: &mut Builder, quarters: usize) {
     for x in [-1.0, 1.0] {
         lancet(b, Paint::GlassDark, DVec3::new(x, 13.6, face), DVec2::new(1.05, 3.3));
     }
-    if quarters % 2 == 0 {
+    if quarters.is_multiple_of(2) {
         let disc = |radius: f64, z: f64| -> Vec<DVec3> {
             (0..20)
                 .map(|i| core::f64::consts::TAU * f64::from(i) / 20.0)
