@@ -1,5 +1,7 @@
 //! Painted images: leaves cut out by their alpha, stone and turf that repeat without a seam.
 
+use core::f64::consts::FRAC_PI_2;
+
 use glam::DVec2;
 
 use super::rng::{Rng, mix};
@@ -142,7 +144,7 @@ fn twig(canvas: &mut Canvas, rng: &mut Rng, side: f64) {
     let foot = DVec2::new(side * 1.5, side * 0.97);
     let bark = [0.30, 0.24, 0.17];
     for shoot in 0..5 {
-        let angle = -std::f64::consts::FRAC_PI_2 + 0.46 * (f64::from(shoot) - 2.0) + rng.range(-0.1, 0.1);
+        let angle = -FRAC_PI_2 + 0.46 * (f64::from(shoot) - 2.0) + rng.range(-0.1, 0.1);
         let ahead = direction(angle);
         let length = side * (0.80 - 0.09 * (f64::from(shoot) - 2.0).abs());
         let stalk = Leaf { at: foot, ahead, length, outline: Outline::Blade(0.011, 0.0), color: bark };
@@ -198,7 +200,7 @@ pub(crate) fn grass(seed: u64) -> Image {
         let color = shaded(rng.pick(&GREENS), rng.range(0.8, 1.1));
         let outline = Outline::Blade(3.2 / length, rng.range(-0.30, 0.30));
         let at = DVec2::new(side * (f64::from(i) + rng.unit()) / 34.0, side + 1.0);
-        let ahead = direction(-std::f64::consts::FRAC_PI_2 + rng.range(-0.22, 0.22));
+        let ahead = direction(-FRAC_PI_2 + rng.range(-0.22, 0.22));
         canvas.leaf(&Leaf { at, ahead, length, outline, color }, true);
     }
     canvas.finish("grass")

@@ -44,9 +44,9 @@ impl From<Glow> for usize {
 fn materials() -> Vec<Material> {
     let mut all = palette::materials();
     for (name, rgb, emissive) in [
-        ("lit window", 0xf2d9a0, [7.5, 4.3, 1.7]),
-        ("lit curtain", 0xd9a06a, [3.6, 1.5, 0.5]),
-        ("lantern", 0xfff0d0, [30.0, 20.0, 10.0]),
+        ("lit window", 0xf2d9a0, [4.8, 2.5, 0.9]),
+        ("lit curtain", 0xd9a06a, [2.6, 1.05, 0.34]),
+        ("lantern", 0xfff0d0, [20.0, 12.5, 6.0]),
     ] {
         all.push(Material { emissive, ..material(name, rgb, 0.0, 0.4) });
     }
