@@ -52,14 +52,27 @@ fn bless() -> Result<()> {
     run(Command::new("cargo").args(golden).env("ANTUMBRA_BLESS", "1"))
 }
 
+/// From under the trees.
+const GROVE: &[&str] = &["--eye=7,5,10", "--target=-9,6,-9", "--fov", "60", "--filter", "3"];
+
 /// Name, scene, size, and further words for `antumbra render`; the shadows are baked first.
-const PICTURES: [(&str, &str, &str, &[&str]); 6] = [
+const PICTURES: [(&str, &str, &str, &[&str]); 11] = [
     ("city", "city", "960x540", &["--camera", "overview", "--filter", "3"]),
     ("city-rooftops", "city", "480x270", &["--camera", "rooftops", "--filter", "3"]),
     ("landscape", "landscape", "480x270", &["--camera", "overview", "--filter", "3"]),
     ("delft", "../shared/scenes/delft.glb", "480x270", &["--filter", "3"]),
     ("colosseum", "../shared/scenes/colosseum.glb", "480x270", &["--filter", "3"]),
-    ("kaykit-city", "../shared/scenes/kaykit-city.glb", "480x270", &["--filter", "3"]),
+    ("kaykit-city", "../shared/scenes/kaykit-city.glb", "480x270", &["--day", "--filter", "3"]),
+    (
+        "kaykit-city-night",
+        "../shared/scenes/kaykit-city.glb",
+        "480x270",
+        &["--night", "--filter", "5", "--kernel", "tent"],
+    ),
+    ("village", "village", "960x540", &["--camera", "overview", "--filter", "5", "--kernel", "tent"]),
+    ("village-street", "village", "480x270", &["--camera", "street", "--filter", "5", "--kernel", "tent"]),
+    ("ruins", "ruins", "480x270", &["--camera", "nave", "--filter", "3"]),
+    ("grove", "../shared/scenes/grove.glb", "480x270", GROVE),
 ];
 
 fn pictures() -> Result<()> {
