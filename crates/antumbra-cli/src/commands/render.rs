@@ -114,7 +114,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let camera = camera(args, &scene)?;
     let shadows = match &file {
-        Some(file) if baked => looked_up(args, file)?,
+        Some(file) if baked => {
+            warn_of_policies(&scene, file);
+            looked_up(args, file)?
+        }
         _ => ShadowSource::Traced,
     };
     let [width, height] = args.size;
@@ -190,6 +193,14 @@ pub fn draw(
 }
 
 /// Says which lights of the scene the bake lacks. Where it has none at all the picture fails, which says enough.
+/// What moves was not baked: it receives shadows in mid-air, which not every policy defines.
+fn warn_of_policies(scene: &Scene, file: &ShadowFile) {
+    if scene.nodes.iter().any(|node| node.dynamic) {
+        let warnings = file.lights().map(|light| lights::policy_warnings(light, "receivers that move"));
+        output::warn(&warnings.take(1).flatten().collect::<Vec<_>>());
+    }
+}
+
 fn warn_of_dark(scene: &Scene, names: &[&str]) {
     if (1..scene.lights.len()).contains(&names.len()) {
         let listed = inputs::listed(names.iter().copied());
