@@ -79,20 +79,7 @@ fn neighbours(coordinate: f64, side: u32, wrap: Wrap) -> (u32, u32, f64) {
     };
     let x = reduced * f64::from(side) - 0.5;
     let first = x.floor();
-    (wrapped(first as i64, side, wrap), wrapped(first as i64 + 1, side, wrap), x - first)
-}
-
-fn wrapped(index: i64, side: u32, wrap: Wrap) -> u32 {
-    let n = i64::from(side);
-    let inside = match wrap {
-        Wrap::Repeat => index.rem_euclid(n),
-        Wrap::Clamp => index.clamp(0, n - 1),
-        Wrap::Mirror => {
-            let twice = index.rem_euclid(2 * n);
-            twice.min(2 * n - 1 - twice)
-        }
-    };
-    inside as u32
+    (wrap.texel(first as i64, side), wrap.texel(first as i64 + 1, side), x - first)
 }
 
 #[cfg(test)]

@@ -135,6 +135,23 @@ pub enum Wrap {
     Clamp,
 }
 
+impl Wrap {
+    /// The texel that an index stands for in a row of `side` texels.
+    #[must_use]
+    pub fn texel(self, index: i64, side: u32) -> u32 {
+        let n = i64::from(side);
+        let inside = match self {
+            Self::Repeat => index.rem_euclid(n),
+            Self::Clamp => index.clamp(0, n - 1),
+            Self::Mirror => {
+                let twice = index.rem_euclid(2 * n);
+                twice.min(2 * n - 1 - twice)
+            }
+        };
+        inside as u32
+    }
+}
+
 /// A use of an image.
 #[derive(Clone, Copy, Debug)]
 pub struct TextureRef {
