@@ -211,7 +211,10 @@ fn check_loosely(light: LightShadow<'_>, from: DVec3, to: DVec3) -> Result<(), S
             agrees(light.visibility(point))
                 || !light.is_outside_cone(point) && offsets().any(|o| agrees(light.voxel_visibility(beside(o))))
         };
-        if !offsets().any(|offset| near(point + offset * reach)) {
+        // Along the segment too: at a narrow cone's apex no other way leads into it.
+        let along = (to - from).normalize_or_zero();
+        let about = offsets().chain([along, -along]);
+        if !about.into_iter().any(|offset| near(point + offset * reach)) {
             return Err(format!("at {t}: the segment says lit {lit}, no point about it does; runs {runs:?}"));
         }
     }
@@ -300,6 +303,20 @@ proptest! {
             if !(from.is_finite() && to.is_finite()) || from == to {
                 let lit = light.visibility(from) == 1.0;
                 prop_assert_eq!(runs, [Run { from: 0.0, to: 1.0, lit }]);
+            }
+        }
+    }
+}
+
+/// Segments through the light itself, along its axes and across them, with samples at its very place.
+#[test]
+fn through_the_light_itself() {
+    for light in LOCAL.lights() {
+        let axes = DMat3::from_cols_array_2d(&light.record().linear);
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0), DVec3::new(-1.0, 1.0, 1.0), DVec3::ONE] {
+            for (before, behind) in [(1.0, -2.0), (-2.0, 1.0), (4.0, -4.0), (0.0, 3.0), (-3.0, 0.0)] {
+                let [from, to] = [before, behind].map(|at| ORIGIN + axes * axis * at);
+                check_loosely(light, from, to).unwrap();
             }
         }
     }
