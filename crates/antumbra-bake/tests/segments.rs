@@ -17,6 +17,7 @@ use antumbra_scene::{Scene, procedural};
 use common::{bake_for_check, cuboid, options, scene, sun, turned};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 fn city() -> Scene {
     procedural::build("city", &procedural::Options { seed: 5, scale: 0.15, ..Default::default() }).unwrap()
@@ -121,7 +122,8 @@ fn place(light: LightShadow<'_>, point: DVec3) -> Place {
 fn pieces(light: LightShadow<'_>, from: DVec3, to: DVec3) -> Vec<Run> {
     let point = |t: f64| from + (to - from) * t;
     // The outside of a cone of more than 90 degrees is convex: a segment's ends may both lie inside and its middle not.
-    let starts = 64;
+    // Many starts, for a narrow cone is soon passed.
+    let starts = if light.kind() == LightKind::Spot { 2048 } else { 64 };
     let mut pieces = Vec::new();
     for i in 0..starts {
         let [t0, t1] = [i, i + 1].map(|i| f64::from(i) / f64::from(starts));
@@ -233,12 +235,17 @@ fn world(light: LightShadow<'_>, voxel: DVec3) -> DVec3 {
     DVec3::from_array(record.origin_world) + rows.inverse() * (voxel - DVec3::from_array(record.voxel_of_origin))
 }
 
+/// The same random cases in every run.
+fn same_cases() -> ProptestConfig {
+    ProptestConfig { rng_seed: RngSeed::Fixed(2014), failure_persistence: None, ..ProptestConfig::default() }
+}
+
 fn points(reach: f64) -> impl Strategy<Value = [DVec3; 2]> {
     prop::array::uniform6(-reach..reach).prop_map(|c| [DVec3::new(c[0], c[1], c[2]), DVec3::new(c[3], c[4], c[5])])
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1500, ..same_cases() })]
 
     #[test]
     fn through_a_city(ends in points(1.3), far in any::<bool>()) {
@@ -250,7 +257,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 10_000, ..same_cases() })]
 
     #[test]
     fn through_nasty_scenes(ends in points(20.0), exponent in -3i32..5) {
@@ -281,7 +288,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 3000, ..same_cases() })]
 
     /// In the axes of a local light whole numbers are edges of its cube and rays through its origin.
     #[test]
