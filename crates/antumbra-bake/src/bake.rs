@@ -1,5 +1,7 @@
 //! From a scene and its lights to a file's bytes.
 
+use std::time::Instant;
+
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::stat::BakeStats;
 use antumbra::format::write::{Contents, write};
@@ -23,6 +25,19 @@ pub enum ResolutionRequest {
     TexelSize(f64),
 }
 
+/// How a light's graph is constructed. The bytes are good either way; speed, memory and, where a policy leaves a choice,
+/// the graph differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// By columns: see [`crate::columns`].
+    #[default]
+    Columns,
+    /// As Kämpe et al. 2015 do, for comparison.
+    Kampe2015,
+    /// As Sintorn et al. 2014 do, for comparison.
+    Sintorn2014,
+}
+
 /// What to bake, and within which limits.
 #[derive(Clone, Copy, Debug)]
 pub struct BakeOptions {
@@ -43,6 +58,11 @@ pub struct BakeOptions {
     pub levels: bool,
     /// Whether to add enter depths, for blocker lookups.
     pub enter_depths: bool,
+    /// How graphs are constructed.
+    pub method: Method,
+    /// Whether Kämpe et al.'s method reuses the adjacent node in front where that is identical, instead of merging it away
+    /// later. The others take no notice.
+    pub cull_identical: bool,
     /// Threads; 0 takes one per core.
     pub threads: usize,
     /// Bytes that the bake may hold beside the scene.
@@ -60,6 +80,8 @@ impl Default for BakeOptions {
             local_depth: DepthDistribution::Logarithmic,
             levels: false,
             enter_depths: false,
+            method: Method::Columns,
+            cull_identical: true,
             threads: 0,
             memory_limit: None,
         }
@@ -93,10 +115,21 @@ pub struct Baked {
     pub levels_bytes: u64,
     /// Triangles by what they were judged.
     pub stats: BakeStats,
+    /// What all lights share, by stages.
+    pub stages: Vec<Stage>,
     /// Threads that built.
     pub threads: usize,
     /// Sentences for whoever asked for the bake.
     pub warnings: Vec<String>,
+}
+
+/// A part of the work, and its wall time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// What was done.
+    pub name: &'static str,
+    /// How long it took; of work that threads do side by side, their sum over the number of threads.
+    pub seconds: f64,
 }
 
 /// What one light took.
@@ -114,6 +147,8 @@ pub struct LightReport {
     pub bytes: u64,
     /// Wall time of its construction.
     pub build_seconds: f64,
+    /// The same by stages.
+    pub stages: Vec<Stage>,
     /// Nodes that no earlier light of the file has.
     pub nodes: NodeCounts,
 }
@@ -218,6 +253,7 @@ fn bake_here(
 ) -> Result<Baked, BakeError> {
     check(lights, options)?;
     progress.stage("finding closed parts");
+    let mut clock = Stopwatch::start();
     let find_solids = options.interior != Interior::Open;
     let limit = options.memory_limit.unwrap_or(u64::MAX);
     let caster_options =
@@ -228,10 +264,38 @@ fn bake_here(
         return Err(BakeError::NoCasters);
     }
     let mut warnings = casters_warnings(&casters, options);
+    clock.lap("finding closed parts");
     let tables = Tables::default();
     let mut built = Lights { casters: &casters, options, tables: &tables, progress }.build(lights)?;
     built.iter_mut().for_each(|light| warnings.append(&mut light.warnings));
-    finish(scene, &casters, tables, built, options, progress, warnings)
+    clock.skip();
+    let mut baked = finish(scene, &casters, tables, built, options, progress, warnings)?;
+    clock.lap("encoding");
+    baked.stages = clock.stages;
+    Ok(baked)
+}
+
+/// Times stages.
+pub(crate) struct Stopwatch {
+    since: Instant,
+    pub stages: Vec<Stage>,
+}
+
+impl Stopwatch {
+    pub fn start() -> Self {
+        Self { since: Instant::now(), stages: Vec::new() }
+    }
+
+    /// What has been done since the last lap is a stage.
+    pub fn lap(&mut self, name: &'static str) {
+        self.stages.push(Stage { name, seconds: self.since.elapsed().as_secs_f64() });
+        self.skip();
+    }
+
+    /// What has been done since the last lap does not count.
+    pub fn skip(&mut self) {
+        self.since = Instant::now();
+    }
 }
 
 fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeError> {
@@ -322,7 +386,15 @@ fn finish(
     contents.levels = options.levels.then_some(&encoded.roots[light_roots..]);
     contents.enters = options.enter_depths.then_some(&enters[..]);
     let bytes = write(&contents);
-    Ok(Baked { bytes, lights: reports, levels_bytes, stats, threads: rayon::current_num_threads(), warnings })
+    Ok(Baked {
+        bytes,
+        lights: reports,
+        levels_bytes,
+        stats,
+        stages: Vec::new(),
+        threads: rayon::current_num_threads(),
+        warnings,
+    })
 }
 
 fn stats(scene: &Scene, casters: &Casters<'_>) -> BakeStats {

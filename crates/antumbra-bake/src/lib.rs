@@ -24,5 +24,5 @@ mod lights;
 pub mod oracle;
 pub mod place;
 
-pub use bake::{BakeError, BakeOptions, Baked, LightReport, Progress, ResolutionRequest, Silent, bake};
+pub use bake::{BakeError, BakeOptions, Baked, LightReport, Method, Progress, ResolutionRequest, Silent, Stage, bake};
 pub use casters::{Blend, Inverted};

@@ -1,7 +1,6 @@
 //! Builds the lights of a bake: directional ones one after the other, each on all threads; local ones side by side.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::enter;
@@ -9,7 +8,7 @@ use antumbra::{LightKind, LightRecord};
 use antumbra_scene::Light;
 use rayon::prelude::*;
 
-use crate::bake::{BakeError, BakeOptions, LightReport, Progress};
+use crate::bake::{BakeError, BakeOptions, LightReport, Progress, Stage, Stopwatch};
 use crate::casters::Casters;
 use crate::casters::occluder::FirstHits;
 use crate::columns::{Build, BuildError, BuildTriangle, Cutout, EnterGrid, Freedom, build};
@@ -35,7 +34,7 @@ pub(crate) struct BuiltLight {
     pub roots: Vec<Id>,
     /// Its part of the `ENTR` section.
     pub enters: Vec<u8>,
-    pub seconds: f64,
+    pub stages: Vec<Stage>,
     pub warnings: Vec<String>,
 }
 
@@ -49,7 +48,8 @@ impl BuiltLight {
             resolution: self.record.resolution(),
             texel_size_m: self.record.texel_size_m,
             bytes: added.iter().map(|(_, words)| 4 * words).sum(),
-            build_seconds: self.seconds,
+            build_seconds: self.stages.iter().map(|stage| stage.seconds).sum(),
+            stages: self.stages.clone(),
             nodes: NodeCounts { inner: sum(|c| c.inner), slices: sum(|c| c.slices), masks: sum(|c| c.masks) },
         }
     }
@@ -120,7 +120,7 @@ impl Lights<'_> {
         stage: &dyn Fn(&FaceCasters<'_>),
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<BuiltLight, BakeError> {
-        let start = Instant::now();
+        let mut clock = Stopwatch::start();
         let options = self.options;
         let request =
             SpaceRequest { resolution: options.resolution, near_m: options.near_m, distribution: options.local_depth };
@@ -133,6 +133,7 @@ impl Lights<'_> {
             faces[face].insert(triangle, caster, &space, &slices, face);
         });
         faces.iter().for_each(stage);
+        clock.lap("placing casters");
         let held = self.held_bytes(&faces, &slices);
         running.bytes.fetch_add(held, Ordering::Relaxed);
         let freedom = space.freedom(options.interior);
@@ -142,6 +143,7 @@ impl Lights<'_> {
             .map(|face| self.build_face(face, &slices, &freedom, running, &mut enters, progress))
             .collect::<Result<Vec<Id>, BakeError>>();
         running.bytes.fetch_sub(held, Ordering::Relaxed);
+        clock.lap("building columns");
         let mut section = Vec::new();
         if options.enter_depths {
             let log2 = space.resolution().log2();
@@ -152,7 +154,7 @@ impl Lights<'_> {
             record: space.record(),
             roots: roots?,
             enters: section,
-            seconds: start.elapsed().as_secs_f64(),
+            stages: clock.stages,
             warnings: Vec::new(),
         })
     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use antumbra::{DepthDistribution, Interior};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, Baked, LightReport, ResolutionRequest};
+use antumbra_bake::{BakeOptions, Baked, LightReport, Method, ResolutionRequest};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::DVec3;
@@ -71,8 +71,8 @@ pub struct Args {
     #[arg(long, value_name = "NAME", default_value = "dag8")]
     encoding: String,
     /// Construction method
-    #[arg(long, value_enum, default_value_t = Method::Columns)]
-    method: Method,
+    #[arg(long, value_enum, default_value_t = MethodArg::Columns)]
+    method: MethodArg,
     /// Most memory that the whole program may take: 512M, 2G, 1GiB or plain bytes
     #[arg(long, value_name = "SIZE", value_parser = args::parse_size)]
     memory_limit: Option<u64>,
@@ -88,7 +88,7 @@ pub struct Args {
 
 /// `--method`.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-enum Method {
+enum MethodArg {
     /// This program's own
     Columns,
     /// Kämpe et al. 2015 (not in this version)
@@ -129,7 +129,7 @@ fn refuse_what_comes_later(args: &Args) -> Result<()> {
     if args.resume {
         bail!("--resume is not in this version; leave it out to bake from the start");
     }
-    if args.method != Method::Columns {
+    if args.method != MethodArg::Columns {
         bail!("--method kampe2015 and sintorn2014 are not in this version; use columns");
     }
     if args.encoding != "dag8" {
@@ -146,6 +146,12 @@ fn options(args: &Args, held: u64) -> Result<BakeOptions> {
         })
     };
     Ok(BakeOptions {
+        method: match args.method {
+            MethodArg::Columns => Method::Columns,
+            MethodArg::Kampe2015 => Method::Kampe2015,
+            MethodArg::Sintorn2014 => Method::Sintorn2014,
+        },
+        cull_identical: true,
         interior: args.interior,
         resolution: match (args.resolution, args.texel_size) {
             (Some(resolution), _) => ResolutionRequest::Texels(resolution),
