@@ -1,5 +1,6 @@
 //! Triangles as the builder wants them: one cache line each.
 
+use super::lanes::{Lanes, TEXELS, any, bits, map2, mask};
 use crate::light_space::{LatticeTriangle, Resolution, Slices};
 
 /// A triangle with its plane in depth units ([`Slices`]); counter-clockwise on the lattice.
@@ -150,37 +151,31 @@ impl BuildTriangle {
         LeafPlane { corner, step, error }
     }
 
-    /// The slices of a leaf's 64 texel centres, row by row from the first; exact where `wanted` has a bit and the
-    /// triangle covers the centre.
-    #[inline]
-    pub(super) fn leaf_slices(&self, first: [i64; 2], wanted: u64, slices: &Slices) -> [u32; 64] {
-        let (mut of_texel, doubtful) = self.leaf_plane(first, slices).slices(slices, wanted);
-        let mut doubtful = doubtful & wanted;
+    /// The slices of a leaf's 64 texel centres; exact where the triangle covers them and the mask says so.
+    #[inline(always)]
+    pub(super) fn leaf_slices(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
+        let plane = self.leaf_plane(first, slices);
+        let (mut of_texel, doubtful) = plane.slices(slices, covered);
+        let doubtful = map2(&doubtful, covered, |doubtful, covered| doubtful & covered);
+        if any(&doubtful) {
+            self.settle_doubts(&mut of_texel, bits(&doubtful), first, slices);
+        }
+        of_texel
+    }
+
+    #[cold]
+    fn settle_doubts(&self, of_texel: &mut Lanes, mut doubtful: u64, first: [i64; 2], slices: &Slices) {
         while doubtful != 0 {
             let i = doubtful.trailing_zeros() as usize;
             of_texel[i] = self.exact_slice(leaf_center(first, i, slices.resolution()), slices);
             doubtful &= doubtful - 1;
         }
-        of_texel
     }
 
-    /// The exact slice of one of a leaf's texel centres, which the triangle covers.
-    #[inline]
-    pub(super) fn leaf_slice(&self, first: [i64; 2], texel: usize, slices: &Slices) -> u32 {
-        let (slice, sure) = self.leaf_plane(first, slices).slice(texel, slices);
-        if sure { slice } else { self.exact_slice(leaf_center(first, texel, slices.resolution()), slices) }
-    }
-
-    /// The slices of the plane's deepest points in a leaf's 64 texels; a hair too deep does no harm.
-    #[inline]
-    pub(super) fn leaf_deepest(&self, first: [i64; 2], wanted: u64, slices: &Slices) -> [u32; 64] {
-        self.leaf_plane(first, slices).lowered(slices).slices(slices, wanted).0
-    }
-
-    /// The same for one texel.
-    #[inline]
-    pub(super) fn leaf_deepest_at(&self, first: [i64; 2], texel: usize, slices: &Slices) -> u32 {
-        self.leaf_plane(first, slices).lowered(slices).slice(texel, slices).0
+    /// The slices of the plane's deepest points in a leaf's 64 texels, where the mask says so; a hair too deep does no harm.
+    #[inline(always)]
+    pub(super) fn leaf_deepest(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
+        self.leaf_plane(first, slices).lowered(slices).slices(slices, covered).0
     }
 
     /// The slice at a lattice point, in exact integers.
@@ -219,63 +214,35 @@ impl LeafPlane {
         self
     }
 
+    /// Depths at the 64 texel centres.
     #[inline(always)]
-    fn depth(&self, texel: usize) -> f64 {
-        self.corner + ((texel & 7) as f64 * self.step[0] + (texel >> 3) as f64 * self.step[1])
+    fn depths(&self) -> [f64; TEXELS] {
+        let [x, y] = self.step;
+        core::array::from_fn(|i| self.corner + ((i & 7) as f64 * x + (i >> 3) as f64 * y))
     }
 
-    /// Slice at a texel centre, and whether rounding cannot have made it wrong.
-    #[inline(always)]
-    fn slice(&self, texel: usize, slices: &Slices) -> (u32, bool) {
-        if slices.are_even() { self.even_slice(texel) } else { slices.of_units_within(self.depth(texel), self.error) }
-    }
-
-    /// The same where a depth unit is a slice.
-    #[inline(always)]
-    fn even_slice(&self, texel: usize) -> (u32, bool) {
-        let depth = self.depth(texel);
-        // Adding so much rounds to a whole number and leaves it in the low bits.
-        let rounded = (depth - 0.5) + ROUNDER;
-        let share = depth - (rounded - ROUNDER);
-        (rounded.to_bits() as u32, share > self.error && share < 1.0 - self.error)
-    }
-
-    /// The slices of those of the 64 texels that are wanted, at least, and a bit for each that rounding may have made
+    /// The slices of those of the 64 texels that a mask holds, at least, and a mask of those that rounding may have made
     /// wrong.
-    #[inline]
-    fn slices(&self, slices: &Slices, wanted: u64) -> ([u32; 64], u64) {
-        if slices.are_even() { self.even_slices() } else { self.wanted_slices(slices, wanted) }
+    #[inline(always)]
+    fn slices(&self, slices: &Slices, covered: &Lanes) -> (Lanes, Lanes) {
+        if slices.are_even() {
+            self.even_slices()
+        } else {
+            slices.of_depths_within(&self.depths(), self.error, covered)
+        }
     }
 
-    fn wanted_slices(&self, slices: &Slices, mut wanted: u64) -> ([u32; 64], u64) {
-        let mut of_texel = [0; 64];
-        let mut doubtful = 0;
-        while wanted != 0 {
-            let i = wanted.trailing_zeros() as usize;
-            let (slice, is_sure) = slices.of_units_within(self.depth(i), self.error);
-            of_texel[i] = slice;
-            doubtful |= u64::from(!is_sure) << i;
-            wanted &= wanted - 1;
-        }
-        (of_texel, doubtful)
-    }
-
-    /// All 64: compilers make vector code of this.
-    #[inline]
-    fn even_slices(&self) -> ([u32; 64], u64) {
-        let mut slices = [0; 64];
-        let mut doubtful = 0;
-        for y in 0..8 {
-            let mut sure = [0u64; 8];
-            for x in 0..8 {
-                let (slice, is_sure) = self.even_slice(8 * y + x);
-                slices[8 * y + x] = slice;
-                sure[x] = u64::from(is_sure);
-            }
-            for (x, sure) in sure.iter().enumerate() {
-                doubtful |= (sure ^ 1) << (8 * y + x);
-            }
-        }
+    /// All 64, where a depth unit is a slice.
+    #[inline(always)]
+    fn even_slices(&self) -> (Lanes, Lanes) {
+        let depths = self.depths();
+        // Adding so much rounds to a whole number and leaves it in the low bits.
+        let rounded = depths.map(|depth| (depth - 0.5) + ROUNDER);
+        let slices = rounded.map(|rounded| rounded.to_bits() as u32);
+        let doubtful = core::array::from_fn(|i| {
+            let share = depths[i] - (rounded[i] - ROUNDER);
+            mask(!(share > self.error && share < 1.0 - self.error))
+        });
         (slices, doubtful)
     }
 }
