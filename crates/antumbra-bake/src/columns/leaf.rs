@@ -8,11 +8,12 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::build::Build;
 use super::column::{ColumnWriter, Run, multiples, roundest};
-use super::lanes::{Lanes, any, bits, least, map2, mask, spread};
+use super::faces::{FaceMemo, Known, LeafKey};
+use super::lanes::{Lanes, TEXELS, any, bits, least, map2, mask, spread};
 use super::rays::{Rays, Row, insert};
 use super::tile::{COVERS, ENTERS, EXITS, Entry, SOLID, Tile};
 use super::triangle::BuildTriangle;
-use crate::dag::{Id, LIT, SHADOWED, Tables};
+use crate::dag::{Id, Interner, LIT, SHADOWED};
 
 /// log2 of a leaf's texels per side.
 pub(super) const LEAF_LOG2: u32 = 3;
@@ -39,25 +40,57 @@ pub(super) struct LeafScratch {
 pub(super) struct Leaf<'a> {
     pub build: &'a Build<'a>,
     pub tile: Tile,
-    /// See [`super::settle`].
-    pub clamp: u32,
 }
 
 /// Solves a leaf: from its list to its transitions.
 struct Solve<'a> {
     leaf: Leaf<'a>,
     entries: &'a [Entry],
+    /// See [`super::settle`].
+    clamp: u32,
     rows: &'a mut Vec<Row>,
     transitions: &'a mut Vec<Transition>,
 }
 
 impl LeafScratch {
     /// Appends the leaf's column of 8 x 8 x 8 blocks. `entries` are sorted by their first slices.
-    pub fn push_column(&mut self, leaf: Leaf<'_>, entries: &[Entry], runs: &mut Vec<Run>) {
+    pub fn push_column(
+        &mut self,
+        leaf: Leaf<'_>,
+        entries: &[Entry],
+        clamp: u32,
+        nodes: &mut Interner<'_>,
+        runs: &mut Vec<Run>,
+    ) {
         self.transitions.clear();
-        self.arch.dispatch(Solve { leaf, entries, rows: &mut self.rows, transitions: &mut self.transitions });
-        let blocks = leaf.build.resolution().texels() >> LEAF_LOG2;
-        push_blocks(&self.transitions, blocks, leaf.build.tables, runs);
+        let (rows, transitions) = (&mut self.rows, &mut self.transitions);
+        self.arch.dispatch(Solve { leaf, entries, clamp, rows, transitions });
+        push_blocks(&self.transitions, leaf.build.blocks(LEAF_LOG2), nodes, runs);
+    }
+
+    /// The column of a leaf that one open face hides; appended, with `None`, where it cannot be remembered.
+    pub fn face(
+        &mut self,
+        leaf: Leaf<'_>,
+        triangle: u32,
+        faces: &mut FaceMemo,
+        nodes: &mut Interner<'_>,
+        runs: &mut Vec<Run>,
+    ) -> Option<Known> {
+        let triangle = &leaf.build.triangles[triangle as usize];
+        let (mut enter, key) = self.arch.dispatch(FacePattern { leaf, triangle });
+        let blocks = leaf.build.blocks(LEAF_LOG2);
+        if let Some(known) = key.as_ref().and_then(|key| faces.leaf(key, blocks)) {
+            return Some(known);
+        }
+        self.transitions.clear();
+        let (exit, slices) = (enter, leaf.build.resolution().texels());
+        self.arch.dispatch(Stab { enter: &mut enter, exit, slices, transitions: &mut self.transitions });
+        let base = runs.len();
+        push_blocks(&self.transitions, blocks, nodes, runs);
+        let known = faces.insert_leaf(&key?, &runs[base..])?;
+        runs.truncate(base);
+        Some(known)
     }
 }
 
@@ -72,8 +105,65 @@ impl WithSimd for Solve<'_> {
             leaf.record_enters(&rays.enter);
         }
         let slices = leaf.build.resolution().texels();
-        rays.finish(leaf.build.freedom, leaf.clamp, slices);
-        self.stab(&mut rays, slices);
+        rays.finish(leaf.build.freedom, self.clamp, slices);
+        Stab { enter: &mut rays.enter, exit: rays.exit, slices, transitions: self.transitions }.all();
+    }
+}
+
+/// The first shadowed slices of a leaf under an open face, and what they are remembered by.
+struct FacePattern<'a> {
+    leaf: Leaf<'a>,
+    triangle: &'a BuildTriangle,
+}
+
+impl WithSimd for FacePattern<'_> {
+    type Output = (Lanes, Option<LeafKey>);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { leaf, triangle } = self;
+        let surface = triangle.leaf_slices(leaf.first_center(), &[u32::MAX; TEXELS], leaf.build.slices);
+        let enter = surface.map(|slice| slice + 1);
+        let span = leaf.record_enters(&enter);
+        let key = LeafKey::new(&enter, span, leaf.build.resolution().texels());
+        (enter, key)
+    }
+}
+
+/// Stabs the intervals of 64 rays greedily by the closest exit: the fewest transitions that satisfy every ray.
+struct Stab<'a> {
+    enter: &'a mut Lanes,
+    exit: Lanes,
+    slices: u32,
+    transitions: &'a mut Vec<Transition>,
+}
+
+impl WithSimd for Stab<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.all();
+    }
+}
+
+impl Stab<'_> {
+    #[inline(always)]
+    fn all(mut self) {
+        let mut lit = u64::MAX;
+        loop {
+            let last = least(&self.exit);
+            if last >= self.slices {
+                return;
+            }
+            let turning = self.enter.map(|enter| mask(enter <= last));
+            let first = self.enter.iter().fold(0, |first, enter| first.max(if *enter <= last { *enter } else { 0 }));
+            debug_assert!(any(&turning), "a ray enters behind its exit");
+            *self.enter = map2(&turning, self.enter, |turning, enter| enter | turning);
+            self.exit = map2(&turning, &self.exit, |turning, exit| exit | turning);
+            lit &= !bits(&turning);
+            self.transitions.push(Transition { first, last, lit });
+        }
     }
 }
 
@@ -107,25 +197,6 @@ impl Solve<'_> {
         }
         rays.meet(self.rows, leaf.build.freedom);
     }
-
-    /// Stabs the intervals greedily by the closest exit: the fewest transitions that satisfy every ray.
-    #[inline(always)]
-    fn stab(&mut self, rays: &mut Rays, slices: u32) {
-        let mut lit = u64::MAX;
-        loop {
-            let last = least(&rays.exit);
-            if last >= slices {
-                return;
-            }
-            let turning = rays.enter.map(|enter| mask(enter <= last));
-            let first = rays.enter.iter().fold(0, |first, enter| first.max(if *enter <= last { *enter } else { 0 }));
-            debug_assert!(any(&turning), "a ray enters behind its exit");
-            rays.enter = map2(&turning, &rays.enter, |turning, enter| enter | turning);
-            rays.exit = map2(&turning, &rays.exit, |turning, exit| exit | turning);
-            lit &= !bits(&turning);
-            self.transitions.push(Transition { first, last, lit });
-        }
-    }
 }
 
 /// How many of the sorted entries have depth intervals that overlap, directly or through one another.
@@ -147,11 +218,14 @@ impl Leaf<'_> {
         [resolution.texel_center(self.tile.x), resolution.texel_center(self.tile.y)]
     }
 
+    /// Least and greatest first shadowed slice, noted where that is wanted.
     #[inline(always)]
-    fn record_enters(&self, enter: &Lanes) {
+    fn record_enters(&self, enter: &Lanes) -> [u32; 2] {
+        let span = [least(enter), enter.iter().fold(0, |greatest, enter| greatest.max(*enter))];
         if let Some(grid) = self.build.enters {
-            grid.insert(self.tile, [least(enter), enter.iter().fold(0, |greatest, enter| greatest.max(*enter))]);
+            grid.insert(self.tile, span);
         }
+        span
     }
 
     /// A triangle's crossings with the rays that it covers.
@@ -160,7 +234,7 @@ impl Leaf<'_> {
         let (first, slices) = (self.first_center(), self.build.slices);
         let winding = triangle.winding();
         let enters = (winding > 0 || self.build.freedom.is_behind_open()) && rays.meet_first(covered);
-        let deepest = enters.then(|| triangle.leaf_deepest(first, covered, slices));
+        let deepest = if enters { Some(triangle.leaf_deepest(first, covered, slices)) } else { None };
         Row::new(covered, &triangle.leaf_slices(first, covered, slices), deepest.as_ref(), winding)
     }
 
@@ -212,29 +286,29 @@ fn keep_left_of_edge(covered: &mut Lanes, at: i64, dx: i64, dy: i64) {
 }
 
 /// Appends the transitions' column of 8 x 8 x 8 blocks.
-fn push_blocks(transitions: &[Transition], blocks: u32, tables: &Tables, runs: &mut Vec<Run>) {
+fn push_blocks(transitions: &[Transition], blocks: u32, nodes: &mut Interner<'_>, runs: &mut Vec<Run>) {
     let mut column = ColumnWriter::new(runs);
     let mut lit = u64::MAX;
     let mut i = 0;
     while let Some(t) = transitions.get(i) {
         if let Some(boundary) = multiples([t.first, t.last], LEAF_LOG2) {
-            column.push(boundary, || constant_mask(tables, lit));
+            column.push(boundary, || constant_mask(nodes, lit));
             lit = t.lit;
             i += 1;
             continue;
         }
         // Commit every transition that no block boundary can hold to a slice within its block.
         let block = t.last >> LEAF_LOG2;
-        column.push([block; 2], || constant_mask(tables, lit));
-        let mut slices = [tables.mask(lit); 8];
+        column.push([block; 2], || constant_mask(nodes, lit));
+        let mut slices = [nodes.mask(lit); 8];
         while let Some(t) = transitions.get(i).filter(|t| is_within(t, block)) {
-            slices[(roundest(t.first, t.last) & 7) as usize..].fill(tables.mask(t.lit));
+            slices[(roundest(t.first, t.last) & 7) as usize..].fill(nodes.mask(t.lit));
             lit = t.lit;
             i += 1;
         }
-        column.push([block + 1; 2], || tables.slice_node(slices));
+        column.push([block + 1; 2], || nodes.slice_node(slices));
     }
-    column.push([blocks; 2], || constant_mask(tables, lit));
+    column.push([blocks; 2], || constant_mask(nodes, lit));
 }
 
 /// Whether a transition must happen inside a block.
@@ -243,10 +317,13 @@ fn is_within(t: &Transition, block: u32) -> bool {
 }
 
 /// The block all of whose slices are one mask.
-fn constant_mask(tables: &Tables, lit: u64) -> Id {
+fn constant_mask(nodes: &mut Interner<'_>, lit: u64) -> Id {
     match lit {
         u64::MAX => LIT,
         0 => SHADOWED,
-        _ => tables.slice_node([tables.mask(lit); 8]),
+        _ => {
+            let mask = nodes.mask(lit);
+            nodes.slice_node([mask; 8])
+        }
     }
 }

@@ -15,6 +15,7 @@ mod build;
 mod column;
 mod cutout;
 mod enters;
+mod faces;
 mod freedom;
 mod lanes;
 mod leaf;

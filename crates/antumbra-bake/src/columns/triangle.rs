@@ -28,7 +28,7 @@ const EDGE_ON: u32 = 4;
 const SOLID_FACING: u32 = SOLID | FACES_LIGHT;
 
 /// Relative bound on the rounding of a depth, of the greatest term in it: 2^-49.
-pub(super) const ROUNDING: f64 = 1.0 / (1u64 << 49) as f64;
+const ROUNDING: f64 = 1.0 / (1u64 << 49) as f64;
 
 /// 1.5 * 2^52: doubles near it are whole numbers, those a little below it too.
 const ROUNDER: f64 = (3u64 << 51) as f64;
@@ -125,6 +125,11 @@ impl BuildTriangle {
         }
     }
 
+    /// Whether it is the same triangle twice, whichever way it is turned.
+    pub(super) fn has_corners_of(&self, other: &Self) -> bool {
+        (self.x, self.y, self.z, self.slope) == (other.x, other.y, other.z, other.slope)
+    }
+
     /// Ends of edge `i` on the lattice, in the triangle's order of turning.
     #[inline(always)]
     pub(super) fn edge_ends(&self, i: usize) -> [[i32; 2]; 2] {
@@ -138,6 +143,15 @@ impl BuildTriangle {
         let x = p[0] - f64::from(self.x[0]);
         let y = p[1] - f64::from(self.y[0]);
         f64::from(self.z[0]) * units_per_step + (x * self.slope[0] + y * self.slope[1])
+    }
+
+    /// By how much a depth may lie off that is computed within so far of a lattice point, along each axis: rounding, and a
+    /// little more so that it opens no gap between neighbours. In units.
+    #[inline(always)]
+    pub(super) fn widening(&self, p: [f64; 2], reach: f64, slices: &Slices) -> f64 {
+        let x = (p[0] - f64::from(self.x[0])).abs() + reach;
+        let y = (p[1] - f64::from(self.y[0])).abs() + reach;
+        slices.widening() + (x * self.slope[0].abs() + y * self.slope[1].abs()) * ROUNDING
     }
 
     /// The plane's depth over a leaf, given its first texel centre: depth there and steps along x and y, in units.

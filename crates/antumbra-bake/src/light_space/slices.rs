@@ -118,7 +118,12 @@ impl Slices {
     /// wrong. Both hold where `wanted`, a mask too, is set. For slices that are not even.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn of_depths_within(&self, depths: &[f64; 64], error: f64, wanted: &[u32; 64]) -> ([u32; 64], [u32; 64]) {
+    pub(crate) fn of_depths_within(
+        &self,
+        depths: &[f64; 64],
+        error: f64,
+        wanted: &[u32; 64],
+    ) -> ([u32; 64], [u32; 64]) {
         let Some(table) = &self.table else { return ([0; 64], [u32::MAX; 64]) };
         // Depth is linear over the square that the 64 lie on: its corners bound it.
         let corners = [depths[0], depths[7], depths[56], depths[63]];
