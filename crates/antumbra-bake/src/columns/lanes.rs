@@ -18,44 +18,86 @@ pub(super) fn select(mask: u32, a: u32, b: u32) -> u32 {
     (a & mask) | (b & !mask)
 }
 
+/// All lanes taken together.
+#[inline(always)]
+fn reduce(lanes: &Lanes, f: impl Fn(u32, u32) -> u32) -> u32 {
+    let mut eight = [0; 8];
+    eight.copy_from_slice(&lanes[..8]);
+    for group in 1..8 {
+        for i in 0..8 {
+            eight[i] = f(eight[i], lanes[8 * group + i]);
+        }
+    }
+    let [a, b, c, d, e, g, h, i] = eight;
+    f(f(f(a, b), f(c, d)), f(f(e, g), f(h, i)))
+}
+
 /// Whether any lane has a bit.
 #[inline(always)]
 pub(super) fn any(lanes: &Lanes) -> bool {
-    lanes.iter().fold(0, |all, lane| all | lane) != 0
+    reduce(lanes, |a, b| a | b) != 0
 }
 
 /// The least of the lanes.
 #[inline(always)]
 pub(super) fn least(lanes: &Lanes) -> u32 {
-    lanes.iter().fold(u32::MAX, |least, lane| least.min(*lane))
+    reduce(lanes, u32::min)
+}
+
+/// The greatest of the lanes.
+#[inline(always)]
+pub(super) fn greatest(lanes: &Lanes) -> u32 {
+    reduce(lanes, u32::max)
+}
+
+/// Lane by lane. (Arrays' own `map` and `from_fn` are not always inlined, and then are no vector code.)
+#[inline(always)]
+pub(super) fn map<A: Copy, B: Copy + Default>(a: &[A; TEXELS], f: impl Fn(A) -> B) -> [B; TEXELS] {
+    let mut mapped = [B::default(); TEXELS];
+    for i in 0..TEXELS {
+        mapped[i] = f(a[i]);
+    }
+    mapped
 }
 
 /// Lane by lane.
 #[inline(always)]
 pub(super) fn map2(a: &Lanes, b: &Lanes, f: impl Fn(u32, u32) -> u32) -> Lanes {
-    core::array::from_fn(|i| f(a[i], b[i]))
+    let mut mapped = [0; TEXELS];
+    for i in 0..TEXELS {
+        mapped[i] = f(a[i], b[i]);
+    }
+    mapped
 }
 
 /// Bit i is set where the mask's lane i is.
 #[inline(always)]
 pub(super) fn bits(mask: &Lanes) -> u64 {
-    let word = |half: usize| {
-        let mut eight = [0u32; 8];
+    let mut eight = [[0u32; 8]; 2];
+    for half in 0..2 {
         for group in 0..4 {
-            for (i, lanes) in eight.iter_mut().enumerate() {
-                *lanes |= (mask[32 * half + 8 * group + i] & (1 << i)) << (8 * group);
+            for i in 0..8 {
+                eight[half][i] |= (mask[32 * half + 8 * group + i] & (1 << i)) << (8 * group);
             }
         }
-        eight.iter().fold(0, |all, lanes| all | lanes)
-    };
-    u64::from(word(0)) | (u64::from(word(1)) << 32)
+    }
+    let mut words = [0u32; 2];
+    for i in 0..8 {
+        words[0] |= eight[0][i];
+        words[1] |= eight[1][i];
+    }
+    u64::from(words[0]) | (u64::from(words[1]) << 32)
 }
 
 /// The mask whose lane i is set where bit i is.
 #[inline(always)]
 pub(super) fn spread(bits: u64) -> Lanes {
-    let words = [bits as u32, (bits >> 32) as u32];
-    core::array::from_fn(|i| ((words[i / 32] >> (i % 32)) & 1).wrapping_neg())
+    let mut mask = [0; TEXELS];
+    for i in 0..32 {
+        mask[i] = ((bits as u32 >> i) & 1).wrapping_neg();
+        mask[32 + i] = (((bits >> 32) as u32 >> i) & 1).wrapping_neg();
+    }
+    mask
 }
 
 #[cfg(test)]

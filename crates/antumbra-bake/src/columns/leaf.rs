@@ -9,7 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::build::Build;
 use super::column::{ColumnWriter, Run, multiples, roundest};
 use super::faces::{FaceMemo, Known, LeafKey};
-use super::lanes::{Lanes, TEXELS, any, bits, least, map2, mask, spread};
+use super::lanes::{Lanes, TEXELS, any, bits, greatest, least, map, map2, mask, spread};
 use super::rays::{Rays, Row, insert};
 use super::tile::{COVERS, ENTERS, EXITS, Entry, SOLID, Tile};
 use super::triangle::BuildTriangle;
@@ -123,7 +123,7 @@ impl WithSimd for FacePattern<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { leaf, triangle } = self;
         let surface = triangle.leaf_slices(leaf.first_center(), &[u32::MAX; TEXELS], leaf.build.slices);
-        let enter = surface.map(|slice| slice + 1);
+        let enter = map(&surface, |slice| slice + 1);
         let span = leaf.record_enters(&enter);
         let key = LeafKey::new(&enter, span, leaf.build.resolution().texels());
         (enter, key)
@@ -156,8 +156,8 @@ impl Stab<'_> {
             if last >= self.slices {
                 return;
             }
-            let turning = self.enter.map(|enter| mask(enter <= last));
-            let first = self.enter.iter().fold(0, |first, enter| first.max(if *enter <= last { *enter } else { 0 }));
+            let turning = map(self.enter, |enter| mask(enter <= last));
+            let first = greatest(&map2(&turning, self.enter, |turning, enter| turning & enter));
             debug_assert!(any(&turning), "a ray enters behind its exit");
             *self.enter = map2(&turning, self.enter, |turning, enter| enter | turning);
             self.exit = map2(&turning, &self.exit, |turning, exit| exit | turning);
@@ -221,7 +221,7 @@ impl Leaf<'_> {
     /// Least and greatest first shadowed slice, noted where that is wanted.
     #[inline(always)]
     fn record_enters(&self, enter: &Lanes) -> [u32; 2] {
-        let span = [least(enter), enter.iter().fold(0, |greatest, enter| greatest.max(*enter))];
+        let span = [least(enter), greatest(enter)];
         if let Some(grid) = self.build.enters {
             grid.insert(self.tile, span);
         }

@@ -6,7 +6,7 @@
 //! and then met in order.
 
 use super::freedom::Freedom;
-use super::lanes::{Lanes, TEXELS, any, least, map2, mask, select};
+use super::lanes::{Lanes, TEXELS, any, least, map, map2, mask, select};
 
 /// First shadowed slice of a ray without casters.
 pub(super) const NEVER: u32 = u32::MAX;
@@ -50,7 +50,7 @@ impl Row {
     pub fn new(covered: &Lanes, slices: &Lanes, deepest: Option<&Lanes>, winding: i32) -> Self {
         let winding = (winding + 1) as u32;
         let payload = match deepest {
-            Some(deepest) => deepest.map(|slice| ((slice + 1) << 2) | winding),
+            Some(deepest) => map(deepest, |slice| ((slice + 1) << 2) | winding),
             None => [winding; TEXELS],
         };
         Self { slice: map2(covered, slices, |covered, slice| select(covered, slice, ABSENT)), payload }
@@ -108,7 +108,8 @@ impl Rays {
     /// Mask of rays for which further triangles matter.
     #[inline(always)]
     pub fn open(&self) -> Lanes {
-        core::array::from_fn(|i| self.outside[i] | self.inside[i] | self.seeking[i])
+        let begun = map2(&self.inside, &self.seeking, |inside, seeking| inside | seeking);
+        map2(&self.outside, &begun, |outside, begun| outside | begun)
     }
 
     /// Whether any of the rays in a mask has met nothing yet.

@@ -142,16 +142,18 @@ impl<'a> Split<'a> {
             [TOUCHES | COVERS | COVERS_FIRST; 4]
         } else {
             let whole = if triangle.is_edge_on() || parent.has(CUTOUT) { TOUCHES } else { !0 };
-            self.coverage(triangle).map(|coverage| coverage & whole)
+            let [a, b, c, d] = self.coverage(triangle);
+            [a & whole, b & whole, c & whole, d & whole]
         };
         let spans = self.depths(triangle).of_children(self.slices);
         let flags = parent.flags & !(COVERS | COVERS_FIRST);
-        core::array::from_fn(|child| Entry {
-            triangle: parent.triangle,
-            flags: flags | coverage[child],
-            first: spans[child][0].max(parent.first),
-            last: spans[child][1].min(parent.last),
-        })
+        let mut children = [parent; 4];
+        for (i, child) in children.iter_mut().enumerate() {
+            child.flags = flags | coverage[i];
+            child.first = spans[i][0].max(parent.first);
+            child.last = spans[i][1].min(parent.last);
+        }
+        children
     }
 
     /// Per child [`TOUCHES`], [`COVERS`] and [`COVERS_FIRST`].
@@ -173,10 +175,11 @@ impl<'a> Split<'a> {
                 covers_first[child] &= mask(at[child] - edge.threshold() >= 0);
             }
         }
-        core::array::from_fn(|child| {
+        for child in 0..4 {
             let covers = covers[child] & (COVERS | COVERS_FIRST);
-            touches[child] & (TOUCHES | covers | (covers_first[child] & COVERS_FIRST))
-        })
+            touches[child] &= TOUCHES | covers | (covers_first[child] & COVERS_FIRST);
+        }
+        touches
     }
 
     /// Mask of the children that the triangle's box touches.
@@ -226,7 +229,11 @@ impl Depths {
     fn of_children(&self, slices: &Slices) -> [[u32; 2]; 4] {
         let [x, y] = self.step;
         let middles = [self.at_middle, self.at_middle + x, self.at_middle + y, self.at_middle + x + y];
-        middles.map(|depth| [slices.of_units(depth - self.low), slices.of_units(depth + self.high)])
+        let mut spans = [[0; 2]; 4];
+        for (span, depth) in spans.iter_mut().zip(middles) {
+            *span = [slices.of_units(depth - self.low), slices.of_units(depth + self.high)];
+        }
+        spans
     }
 }
 

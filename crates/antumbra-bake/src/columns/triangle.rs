@@ -231,8 +231,13 @@ impl LeafPlane {
     /// Depths at the 64 texel centres.
     #[inline(always)]
     fn depths(&self) -> [f64; TEXELS] {
-        let [x, y] = self.step;
-        core::array::from_fn(|i| self.corner + ((i & 7) as f64 * x + (i >> 3) as f64 * y))
+        let mut depths = [0.0; TEXELS];
+        for y in 0..8 {
+            for x in 0..8 {
+                depths[8 * y + x] = self.corner + (x as f64 * self.step[0] + y as f64 * self.step[1]);
+            }
+        }
+        depths
     }
 
     /// The slices of those of the 64 texels that a mask holds, at least, and a mask of those that rounding may have made
@@ -250,13 +255,14 @@ impl LeafPlane {
     #[inline(always)]
     fn even_slices(&self) -> (Lanes, Lanes) {
         let depths = self.depths();
-        // Adding so much rounds to a whole number and leaves it in the low bits.
-        let rounded = depths.map(|depth| (depth - 0.5) + ROUNDER);
-        let slices = rounded.map(|rounded| rounded.to_bits() as u32);
-        let doubtful = core::array::from_fn(|i| {
-            let share = depths[i] - (rounded[i] - ROUNDER);
-            mask(!(share > self.error && share < 1.0 - self.error))
-        });
+        let (mut slices, mut doubtful) = ([0; TEXELS], [0; TEXELS]);
+        for i in 0..TEXELS {
+            // Adding so much rounds to a whole number and leaves it in the low bits.
+            let rounded = (depths[i] - 0.5) + ROUNDER;
+            let share = depths[i] - (rounded - ROUNDER);
+            slices[i] = rounded.to_bits() as u32;
+            doubtful[i] = mask(!(share > self.error && share < 1.0 - self.error));
+        }
         (slices, doubtful)
     }
 }

@@ -172,7 +172,8 @@ impl Table {
             }
         }
         // What lies behind the last slice is not told apart.
-        (slices.map(|slice| slice.min(last)), doubtful)
+        slices.iter_mut().for_each(|slice| *slice = (*slice).min(last));
+        (slices, doubtful)
     }
 
     /// The same for any depths, one by one.
