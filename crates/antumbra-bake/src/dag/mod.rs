@@ -5,6 +5,7 @@
 
 mod encode;
 mod levels;
+mod order;
 mod table;
 
 pub use encode::{EncodeError, Encoded, encode};
