@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::table::{self, Id, LIT, SHADOWED, Tables};
 
 /// Stretches per thread: more would balance better, and meet more nodes twice.
-const STRETCHES_PER_THREAD: usize = 2;
+const STRETCHES_PER_THREAD: usize = 8;
 /// A root is taken apart into subtrees down to so many levels below it.
 const SPLIT_LEVELS: u32 = 3;
 
@@ -181,7 +181,8 @@ impl Order {
         }
         let stretches = if threads > 1 { STRETCHES_PER_THREAD * threads } else { 1 };
         let length = items.len().div_ceil(stretches).max(1);
-        let met: Vec<Met> = items.par_chunks(length).map(|stretch| Walk::new(&order).stretch(stretch)).collect();
+        let met: Vec<Met> =
+            items.par_chunks(length).with_max_len(1).map(|stretch| Walk::new(&order).stretch(stretch)).collect();
         met.into_iter().for_each(|stretch| order.append(&stretch));
         order
     }
@@ -249,16 +250,6 @@ impl Order {
         let share = self.inner.key(id).iter().map(|child| self.share(*child, level - 1) / 8).sum();
         self.inner_shares[self.inner.index(id)].store(share, Ordering::Relaxed);
     }
-
-    fn set_slice_share(&self, id: Id) {
-        let lit = |id: &Id| match *id {
-            LIT => 64,
-            SHADOWED => 0,
-            mask => self.masks.key(mask).count_ones(),
-        };
-        let share = slice_node_share(self.slices.key(id).iter().map(lit).sum());
-        self.slice_shares[self.slices.index(id)].store(share, Ordering::Relaxed);
-    }
 }
 
 impl<'a> Walk<'a> {
@@ -275,7 +266,8 @@ impl<'a> Walk<'a> {
     fn stretch(mut self, items: &[Item]) -> Met {
         for item in items {
             if item.alone {
-                self.met.inner.push(self.met_inner_node(item.id, item.level, true));
+                let words = node_words(&self.order.inner.key(item.id)) as u8;
+                self.met.inner.push(MetNode { id: item.id, level: item.level as u8, words, alone: true });
             } else {
                 self.visit(item.id, item.level);
             }
@@ -285,35 +277,57 @@ impl<'a> Walk<'a> {
         self.met
     }
 
-    fn visit(&mut self, id: Id, level: u32) {
-        if is_homogeneous(id) {
-            return;
-        }
+    /// Visits a node and what is below it, unless that has been done; its lit share.
+    fn visit(&mut self, id: Id, level: u32) -> u64 {
         if level == SLICE_LEVEL {
-            self.visit_slices(id);
-        } else if self.met_inner.insert(self.order.inner.index(id)) {
-            self.order.inner.key(id).iter().for_each(|child| self.visit(*child, level - 1));
-            self.order.set_inner_share(id, level);
-            self.met.inner.push(self.met_inner_node(id, level, false));
+            return self.visit_slices(id);
         }
+        let order = self.order;
+        let index = order.inner.index(id);
+        let share_of_node = &order.inner_shares[index];
+        if !self.met_inner.insert(index) {
+            return share_of_node.load(Ordering::Relaxed);
+        }
+        let (mut share, mut words) = (0, 1);
+        for child in order.inner.key(id) {
+            share += match child {
+                LIT => WHOLE / 8,
+                SHADOWED => 0,
+                child => {
+                    words += 1;
+                    self.visit(child, level - 1) / 8
+                }
+            };
+        }
+        share_of_node.store(share, Ordering::Relaxed);
+        self.met.inner.push(MetNode { id, level: level as u8, words, alone: false });
+        share
     }
 
-    fn met_inner_node(&self, id: Id, level: u32, alone: bool) -> MetNode {
-        MetNode { id, level: level as u8, words: node_words(&self.order.inner.key(id)) as u8, alone }
-    }
-
-    fn visit_slices(&mut self, id: Id) {
-        if !self.met_slices.insert(self.order.slices.index(id)) {
-            return;
+    fn visit_slices(&mut self, id: Id) -> u64 {
+        let order = self.order;
+        let index = order.slices.index(id);
+        let share_of_node = &order.slice_shares[index];
+        if !self.met_slices.insert(index) {
+            return share_of_node.load(Ordering::Relaxed);
         }
-        let masks = self.order.slices.key(id);
-        for mask in masks {
-            if !is_homogeneous(mask) && self.met_masks.insert(self.order.masks.index(mask)) {
-                self.met.masks.push(mask);
-            }
+        let (mut lit, mut words) = (0, 1);
+        for mask in order.slices.key(id) {
+            lit += match mask {
+                LIT => 64,
+                SHADOWED => 0,
+                mask => {
+                    words += 1;
+                    if self.met_masks.insert(order.masks.index(mask)) {
+                        self.met.masks.push(mask);
+                    }
+                    order.masks.key(mask).count_ones()
+                }
+            };
         }
-        self.order.set_slice_share(id);
-        let words = node_words(&masks) as u8;
+        let share = slice_node_share(lit);
+        share_of_node.store(share, Ordering::Relaxed);
         self.met.slices.push(MetNode { id, level: SLICE_LEVEL as u8, words, alone: false });
+        share
     }
 }
