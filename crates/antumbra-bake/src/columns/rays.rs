@@ -50,7 +50,7 @@ impl Row {
     pub fn new(covered: &Lanes, slices: &Lanes, deepest: Option<&Lanes>, winding: i32) -> Self {
         let winding = (winding + 1) as u32;
         let payload = match deepest {
-            Some(deepest) => map(deepest, |slice| ((slice + 1) << 2) | winding),
+            Some(deepest) => map(deepest, |slice| (slice.wrapping_add(1) << 2) | winding),
             None => [winding; TEXELS],
         };
         Self { slice: map2(covered, slices, |covered, slice| select(covered, slice, ABSENT)), payload }
