@@ -72,7 +72,7 @@ impl BuildTriangle {
 
     /// Index of its cutout.
     #[inline(always)]
-    pub(super) fn cutout(&self) -> Option<usize> {
+    pub(crate) fn cutout(&self) -> Option<usize> {
         (self.cutout != NO_CUTOUT).then_some(self.cutout as usize)
     }
 
