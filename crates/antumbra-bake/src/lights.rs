@@ -95,7 +95,7 @@ impl Lights<'_> {
         let mut clock = Stopwatch::start();
         let space = self.space(light)?;
         let slices = space.slices();
-        let (casters, first_hits) = place_all(self.casters, &space, &slices);
+        let (casters, first_hits) = place_all(self.casters, &space, &slices, &|| self.progress.pause());
         clock.lap("placing casters");
         self.progress.stage(&format!("building {}", light.name));
         let progress = |share| self.progress.advance(share);
@@ -127,7 +127,7 @@ impl Lights<'_> {
         let Self { casters, options, .. } = self;
         let request =
             SpaceRequest { resolution: options.resolution, near_m: options.near_m, distribution: options.local_depth };
-        LightSpace::new(casters, light, request)
+        LightSpace::new(casters, light, request, &|| self.progress.pause())
     }
 
     #[expect(clippy::too_many_arguments, reason = "what a light is made of, once")]
@@ -186,11 +186,13 @@ impl Lights<'_> {
             tables: self.tables,
             memory_limit,
             progress,
+            pause: &|| self.progress.pause(),
         });
         enters.extend(grid.map(|grid| grid.cells()));
         root.map_err(|e| match e {
             BuildError::MemoryLimit => self.out_of_memory("building"),
             BuildError::TooManyNodes => BakeError::TooManyNodes,
+            BuildError::Cancelled => BakeError::Cancelled,
         })
     }
 

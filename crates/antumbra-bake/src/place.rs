@@ -5,6 +5,7 @@ use antumbra_scene::{Light, LightKind};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::Pause;
 use crate::bake::{BakeError, ResolutionRequest};
 use crate::casters::occluder::FirstHits;
 use crate::casters::{CasterTriangle, Casters, OpenedParts, Piece};
@@ -44,10 +45,15 @@ impl LightSpace {
     /// # Errors
     /// [`BakeError::TexelSize`] if no resolution has such small texels, [`BakeError::Misplaced`] if a corner is not finite,
     /// [`BakeError::LightPlace`] and [`BakeError::Near`] if a local light's numbers make no sense.
-    pub fn new(casters: &Casters<'_>, light: &Light, request: SpaceRequest) -> Result<Self, BakeError> {
+    pub fn new(
+        casters: &Casters<'_>,
+        light: &Light,
+        request: SpaceRequest,
+        pause: Pause<'_>,
+    ) -> Result<Self, BakeError> {
         match light.kind {
             LightKind::Directional => {
-                fit_directional(casters, light.direction_world, request.resolution).map(Self::Directional)
+                fit_directional(casters, light.direction_world, request.resolution, pause).map(Self::Directional)
             }
             LightKind::Spot { .. } | LightKind::Point => lay_local(casters, light, request).map(Self::Local),
         }
@@ -138,16 +144,17 @@ fn fit_directional(
     casters: &Casters<'_>,
     direction_world: DVec3,
     request: ResolutionRequest,
+    pause: Pause<'_>,
 ) -> Result<DirectionalSpace, BakeError> {
     let axes = DirectionalSpace::axes(direction_world);
     let pieces = casters.pieces();
     let first_of = |piece: &Piece<'_, '_>| {
         let mut first = None;
-        piece.for_each(|t| _ = first.get_or_insert(t.corners[0]));
+        piece.for_each(pause, |t| _ = first.get_or_insert(t.corners[0]));
         first
     };
     let origin = pieces.iter().find_map(first_of).unwrap_or_default();
-    let extents = pieces.par_iter().map(|piece| extent_of(piece, &axes, origin));
+    let extents = pieces.par_iter().map(|piece| extent_of(piece, &axes, origin, pause));
     let (extent, misplaced) = extents.reduce(
         || ([DVec3::INFINITY, DVec3::NEG_INFINITY], None),
         |(a, node), (b, later)| ([a[0].min(b[0]), a[1].max(b[1])], node.or(later)),
@@ -161,10 +168,10 @@ fn fit_directional(
 }
 
 /// Extent of a piece in light space, and the node of its first misplaced triangle.
-fn extent_of(piece: &Piece<'_, '_>, axes: &[DVec3; 3], origin: DVec3) -> ([DVec3; 2], Option<usize>) {
+fn extent_of(piece: &Piece<'_, '_>, axes: &[DVec3; 3], origin: DVec3, pause: Pause<'_>) -> ([DVec3; 2], Option<usize>) {
     let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let mut misplaced = None;
-    piece.for_each(|t| {
+    piece.for_each(pause, |t| {
         if is_misplaced(&t) {
             misplaced.get_or_insert(t.node);
             return;
@@ -265,11 +272,12 @@ pub(crate) fn place_all<'s>(
     casters: &Casters<'s>,
     space: &LightSpace,
     slices: &Slices,
+    pause: Pause<'_>,
 ) -> (FaceCasters<'s>, FirstHits) {
     let opened = OpenedParts::default();
     let placed = |piece: &Piece<'_, 's>| {
         let (mut placed, mut first_hits) = (FaceCasters::default(), FirstHits::default());
-        piece.for_each(|caster| {
+        piece.for_each(pause, |caster| {
             place(&caster, space, &opened, &mut |face, triangle, caster: &CasterTriangle<'s>| {
                 first_hits.insert(triangle, caster.node);
                 placed.insert(triangle, caster, space, slices, face);
@@ -285,6 +293,7 @@ pub(crate) fn place_all<'s>(
         for (piece, hits) in placed {
             all.append(piece);
             first_hits.append(&hits);
+            pause();
         }
     }
     (all, first_hits)

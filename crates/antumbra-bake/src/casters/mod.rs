@@ -22,6 +22,8 @@ use antumbra_scene::{AlphaMode, AlphaTest, Bounds, Primitive, Scene};
 use chunks::{Chunk, Chunks};
 use glam::DVec3;
 
+use crate::Pause;
+
 pub use starts::OpenedParts;
 
 /// What a triangle is to the light.
@@ -132,11 +134,16 @@ pub struct Piece<'c, 'a> {
 
 /// Chunks in a piece.
 const PIECE_CHUNKS: usize = 256;
+/// Chunks between two rests.
+const PAUSE_CHUNKS: usize = 16;
 
 impl<'a> Piece<'_, 'a> {
-    /// Calls `each` with the piece's casting triangles, in the scene's order.
-    pub fn for_each(&self, each: impl FnMut(CasterTriangle<'a>)) {
-        self.casters.for_each_of(self.casters.chunks.range(self.chunks.clone()), each);
+    /// Calls `each` with the piece's casting triangles, in the scene's order, and rests now and then.
+    pub fn for_each(&self, pause: Pause<'_>, mut each: impl FnMut(CasterTriangle<'a>)) {
+        for chunks in self.casters.chunks.range(self.chunks.clone()).chunks(PAUSE_CHUNKS) {
+            self.casters.for_each_of(chunks, &mut each);
+            pause();
+        }
     }
 }
 

@@ -15,6 +15,7 @@ use super::leaf::{LEAF_LOG2, Leaf, LeafScratch};
 use super::settle::{Rules, Settled};
 use super::tile::{Entry, Tile, root_entry, split};
 use super::triangle::BuildTriangle;
+use crate::Pause;
 use crate::dag::{Id, Interner, LIT, Tables};
 use crate::light_space::{Resolution, Slices};
 
@@ -36,6 +37,8 @@ pub struct Build<'a> {
     pub memory_limit: u64,
     /// Called with the share of the light's area that is done, 0 to 1.
     pub progress: &'a (dyn Fn(f64) + Sync),
+    /// See [`Pause`].
+    pub pause: Pause<'a>,
 }
 
 impl<'a> Build<'a> {
@@ -69,6 +72,9 @@ pub enum BuildError {
     /// The tables ran out of ids.
     #[error("there are more distinct nodes than ids")]
     TooManyNodes,
+    /// [`Build::pause`] said so.
+    #[error("the construction was cancelled")]
+    Cancelled,
 }
 
 /// Tiles whose lists are longer than this share of all triangles are split over threads.
@@ -78,6 +84,10 @@ const SPLIT_LEVELS: u32 = 5;
 
 /// Tiles of this size look at the limits: often enough to stop in time, seldom enough to cost nothing.
 const LIMITS_LOG2: u32 = 8;
+/// Tiles of this size may rest.
+const PAUSE_LOG2: u32 = 5;
+/// Triangles that are looked at between two rests.
+pub(super) const PAUSE_TRIANGLES: usize = 1 << 12;
 
 /// Builds a light's graph; returns its root. Runs on the current rayon pool; the root stands for the same graph
 /// whatever the number of threads.
@@ -87,8 +97,12 @@ const LIMITS_LOG2: u32 = 8;
 pub fn build(build: &Build<'_>) -> Result<Id, BuildError> {
     let resolution = build.resolution();
     let root = Tile::root(resolution);
-    let casters = build.triangles.iter().enumerate();
-    let entries: Vec<Entry> = casters.filter_map(|(i, t)| root_entry(i as u32, t, build.slices)).collect();
+    let mut entries: Vec<Entry> = Vec::with_capacity(build.triangles.len());
+    for (i, triangles) in build.triangles.chunks(PAUSE_TRIANGLES).enumerate() {
+        let casters = ((i * PAUSE_TRIANGLES) as u32..).zip(triangles);
+        entries.extend(casters.filter_map(|(i, t)| root_entry(i, t, build.slices)));
+        (build.pause)();
+    }
     let shared = Shared {
         build,
         split_length: (entries.len() / SPLIT_SHARE).max(256),
@@ -102,7 +116,7 @@ pub fn build(build: &Build<'_>) -> Result<Id, BuildError> {
         return Err(BuildError::TooManyNodes);
     }
     if shared.stopped.load(Ordering::Relaxed) {
-        return Err(BuildError::MemoryLimit);
+        return Err(if (build.pause)() { BuildError::MemoryLimit } else { BuildError::Cancelled });
     }
     Ok(column.first().map_or(LIT, |run| run.node))
 }
@@ -315,6 +329,9 @@ impl<'a> Worker<'a> {
         if tile.log2 == LIMITS_LOG2 {
             let tables = self.build.tables;
             self.stopped |= tables.bytes() > self.build.memory_limit || tables.are_full();
+        }
+        if tile.log2 == PAUSE_LOG2 {
+            self.stopped |= !(self.build.pause)();
         }
     }
 }

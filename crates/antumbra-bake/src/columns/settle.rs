@@ -21,6 +21,8 @@ pub(super) enum Settled {
     Mixed { clamp: u32 },
 }
 
+/// Longer lists are only handed on: nothing hides so much, and looking takes long.
+const LONGEST_LOOKED_AT: usize = 1 << 14;
 /// Longer lists are not sorted, and so not resolved: tiles that large are never one plane.
 const LONGEST_SORTED: usize = 512;
 
@@ -43,6 +45,9 @@ impl Rules<'_> {
     pub fn settle(&self, tile: Tile, entries: &mut Vec<Entry>, clamp: u32) -> Settled {
         if entries.is_empty() {
             return Settled::Lit;
+        }
+        if entries.len() > LONGEST_LOOKED_AT {
+            return Settled::Mixed { clamp };
         }
         let mut clamp = self.hidden_behind(entries).min(clamp);
         entries.retain(|e| e.first < clamp);

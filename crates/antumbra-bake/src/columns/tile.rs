@@ -2,7 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::build::Build;
+use super::build::{Build, PAUSE_TRIANGLES};
 use super::lanes::mask;
 use super::triangle::BuildTriangle;
 use crate::light_space::{Resolution, Slices};
@@ -78,11 +78,17 @@ impl Entry {
 
 /// Appends to each child's list those of a tile's entries that touch it: the rectangle of its texel centres.
 pub(super) fn split(arch: Arch, build: &Build<'_>, tile: Tile, entries: &[Entry], lists: &mut [Vec<Entry>; 4]) {
-    arch.dispatch(SplitList { split: Split::new(tile, build.slices), triangles: build.triangles, entries, lists });
+    let split = Split::new(tile, build.slices);
+    for (i, entries) in entries.chunks(PAUSE_TRIANGLES).enumerate() {
+        if i > 0 {
+            (build.pause)();
+        }
+        arch.dispatch(SplitList { split: &split, triangles: build.triangles, entries, lists });
+    }
 }
 
 struct SplitList<'a> {
-    split: Split<'a>,
+    split: &'a Split<'a>,
     triangles: &'a [BuildTriangle],
     entries: &'a [Entry],
     lists: &'a mut [Vec<Entry>; 4],

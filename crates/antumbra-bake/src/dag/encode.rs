@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::order::{Order, is_homogeneous, node_words};
 use super::table::{Id, Tables};
+use crate::Pause;
 
 /// A pool of words with the lights' roots.
 pub struct Encoded {
@@ -25,25 +26,35 @@ pub enum EncodeError {
     /// The nodes, their order and the file together outgrow the limit.
     #[error("encoding needs more than the memory limit")]
     MemoryLimit,
+    /// The pause said so.
+    #[error("encoding was cancelled")]
+    Cancelled,
 }
 
 /// Encodes what is reachable from (root, level) pairs, in time and memory in proportion to the tables.
 ///
 /// # Errors
 /// [`EncodeError`]; the limit, in bytes, holds for the tables, the work on them and the finished file.
-pub fn encode(tables: Tables, roots: &[(Id, u32)], memory_limit: u64) -> Result<Encoded, EncodeError> {
+pub fn encode(
+    tables: Tables,
+    roots: &[(Id, u32)],
+    memory_limit: u64,
+    pause: Pause<'_>,
+) -> Result<Encoded, EncodeError> {
     let tables_bytes = tables.bytes();
     let fits = |bytes: u64| if bytes <= memory_limit { Ok(()) } else { Err(EncodeError::MemoryLimit) };
     // A word, a share and an entry in the order, and in a stretch's, for every key of some 40 bytes with its slots.
     let order_bytes = tables_bytes / 3 * 2;
     fits(tables_bytes + order_bytes)?;
-    let order = Order::new(tables, roots);
+    let order = Order::new(tables, roots, pause).ok_or(EncodeError::Cancelled)?;
     let words = order.words() + POOL_HEADER_WORDS as u64;
     u32::try_from(words).map_err(|_| EncodeError::TooManyWords)?;
     fits((tables_bytes + order_bytes + 4 * words).max(8 * words))?;
     let layout = Layout::new(&order);
     let roots = roots.iter().map(|&(id, level)| layout.reference(id, level)).collect();
-    Ok(Encoded { pool: layout.write(), roots, added: order.added })
+    let pool = layout.write(pause);
+    let added = order.discard(pause);
+    Ok(Encoded { pool, roots, added })
 }
 
 /// Where the parts of a pool begin.
@@ -54,7 +65,7 @@ struct Layout<'a> {
 }
 
 /// Nodes that a thread writes at a time.
-const PIECE: usize = 1 << 14;
+const PIECE: usize = 1 << 12;
 
 impl<'a> Layout<'a> {
     fn new(order: &'a Order) -> Self {
@@ -71,7 +82,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    fn write(&self) -> Vec<u32> {
+    fn write(&self, pause: Pause<'_>) -> Vec<u32> {
         let Self { order, .. } = *self;
         let parts = [order.masks.words, order.slices.words, order.inner.words].map(|words| words as usize);
         let mut pool = vec![0; POOL_HEADER_WORDS + parts.iter().sum::<usize>()];
@@ -79,13 +90,17 @@ impl<'a> Layout<'a> {
         header[..3].copy_from_slice(&parts.map(|words| words as u32));
         let (masks, rest) = rest.split_at_mut(parts[0]);
         let (slices, inner) = rest.split_at_mut(parts[1]);
-        masks.par_chunks_exact_mut(2).zip(&order.masks.order).for_each(|(words, &id)| {
-            let lit = order.masks.key(id);
-            words.copy_from_slice(&[lit as u32, (lit >> 32) as u32]);
+        masks.par_chunks_mut(2 * PIECE).zip(order.masks.order.par_chunks(PIECE)).for_each(|(words, masks)| {
+            for (words, &id) in words.chunks_exact_mut(2).zip(masks) {
+                let lit = order.masks.key(id);
+                words.copy_from_slice(&[lit as u32, (lit >> 32) as u32]);
+            }
+            pause();
         });
         let mask = |id| POOL_HEADER_WORDS as u32 + order.masks.word(id);
         pieces(slices, &order.slices.order, |id| order.slices.word(id)).into_par_iter().for_each(|piece| {
             piece.write(|id, _| (order.slices.key(id), order.share(id, SLICE_LEVEL)), |id, _| mask(id));
+            pause();
         });
         pieces(inner, &order.inner.order, |id| order.inner.word(id)).into_par_iter().for_each(|piece| {
             // Any level above the children's will do.
@@ -94,6 +109,7 @@ impl<'a> Layout<'a> {
                 |id, place| (order.inner.key(id), order.share(id, level(place))),
                 |child, place| self.reference(child, level(place) - 1),
             );
+            pause();
         });
         pool
     }

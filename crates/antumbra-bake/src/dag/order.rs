@@ -8,9 +8,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use antumbra::format::dag8::{NodeCounts, SLICE_LEVEL, WHOLE, slice_node_share};
+use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
-use super::table::{self, Id, LIT, SHADOWED, Tables};
+use super::table::{self, FastHash, Id, LIT, NodeTable, SHADOWED, Tables};
+use crate::Pause;
 
 /// Stretches per thread: more would balance better, and meet more nodes twice.
 const STRETCHES_PER_THREAD: usize = 8;
@@ -36,14 +38,14 @@ pub(super) struct Part<K> {
     keys: Vec<Vec<K>>,
     /// Index of each shard's first key.
     begins: Vec<usize>,
-    /// First word of each node within the part, by the node's index, once met.
+    /// First word of each node within the part plus 1, by the node's index; [`UNMET`] before.
     words_at: Vec<u32>,
     pub order: Vec<Id>,
     pub words: u64,
 }
 
-/// No word: the node has not been met.
-const UNMET: u32 = u32::MAX;
+/// No word: the node has not been met. Zero, because zeroed memory costs nothing until it is touched.
+const UNMET: u32 = 0;
 
 pub(super) fn is_homogeneous(id: Id) -> bool {
     id == LIT || id == SHADOWED
@@ -54,8 +56,9 @@ pub(super) fn node_words(children: &[Id; 8]) -> usize {
     1 + children.iter().filter(|c| !is_homogeneous(**c)).count()
 }
 
-impl<K: Copy + Sync> Part<K> {
-    fn new(keys: Vec<Vec<K>>) -> Self {
+impl<K: Copy + Eq + FastHash> Part<K> {
+    fn new(table: NodeTable<K>, pause: Pause<'_>) -> Self {
+        let keys = table.into_keys(pause);
         let begins: Vec<usize> = keys
             .iter()
             .scan(0, |begin, shard| {
@@ -83,7 +86,7 @@ impl<K: Copy + Sync> Part<K> {
 
     /// First word of a node within the part.
     pub fn word(&self, id: Id) -> u32 {
-        self.words_at[self.index(id)]
+        self.words_at[self.index(id)] - 1
     }
 
     /// Appends a node of so many words, unless it has been met; whether it had not.
@@ -91,12 +94,22 @@ impl<K: Copy + Sync> Part<K> {
         let index = self.index(id);
         let is_new = self.words_at[index] == UNMET;
         if is_new {
-            self.words_at[index] = self.words as u32;
+            self.words_at[index] = self.words as u32 + 1;
             self.words += u64::from(words);
             self.order.push(id);
         }
         is_new
     }
+}
+
+/// Nodes between two rests.
+const PAUSE_NODES: u32 = 1 << 11;
+
+/// Whether to go on.
+#[inline]
+fn rest_now_and_then(count: &mut u32, pause: Pause<'_>) -> bool {
+    *count += 1;
+    !count.is_multiple_of(PAUSE_NODES) || pause()
 }
 
 /// A part of the walk.
@@ -132,6 +145,10 @@ struct Met {
 /// A thread's walk.
 struct Walk<'a> {
     order: &'a Order,
+    pause: Pause<'a>,
+    count: u32,
+    /// The pause said to give up.
+    stopped: bool,
     met: Met,
     met_masks: Bits,
     met_slices: Bits,
@@ -158,15 +175,14 @@ impl Bits {
 }
 
 impl Order {
-    /// Orders what is reachable from (root, level) pairs.
-    pub fn new(tables: Tables, roots: &[(Id, u32)]) -> Self {
-        let shares = |length: usize| (0..length).map(|_| AtomicU64::new(0)).collect();
-        let masks = Part::new(tables.masks.into_keys());
-        let slices = Part::new(tables.slices.into_keys());
-        let inner = Part::new(tables.inner.into_keys());
+    /// Orders what is reachable from (root, level) pairs; `None` if the pause says so.
+    pub fn new(tables: Tables, roots: &[(Id, u32)], pause: Pause<'_>) -> Option<Self> {
+        let masks = Part::new(tables.masks, pause);
+        let slices = Part::new(tables.slices, pause);
+        let inner = Part::new(tables.inner, pause);
         let mut order = Self {
-            slice_shares: shares(slices.length()),
-            inner_shares: shares(inner.length()),
+            slice_shares: zeroed_vec(slices.length()),
+            inner_shares: zeroed_vec(inner.length()),
             holds_slices: Vec::with_capacity(inner.length()),
             masks,
             slices,
@@ -182,9 +198,9 @@ impl Order {
         let stretches = if threads > 1 { STRETCHES_PER_THREAD * threads } else { 1 };
         let length = items.len().div_ceil(stretches).max(1);
         let met: Vec<Met> =
-            items.par_chunks(length).with_max_len(1).map(|stretch| Walk::new(&order).stretch(stretch)).collect();
-        met.into_iter().for_each(|stretch| order.append(&stretch));
-        order
+            items.par_chunks(length).with_max_len(1).map(|stretch| Walk::new(&order, pause).stretch(stretch)).collect();
+        met.into_iter().for_each(|stretch| order.append(&stretch, pause));
+        pause().then_some(order)
     }
 
     fn push_items(&self, root: usize, id: Id, level: u32, split_levels: u32, items: &mut Vec<Item>) {
@@ -201,7 +217,8 @@ impl Order {
     }
 
     /// Appends those nodes of a stretch that no earlier one has met.
-    fn append(&mut self, stretch: &Met) {
+    fn append(&mut self, stretch: &Met, pause: Pause<'_>) {
+        let mut count = 0;
         let mut begin = [0; 3];
         for &(root, end) in &stretch.ends {
             let words = self.words();
@@ -210,9 +227,11 @@ impl Order {
                 counts.masks += u64::from(self.masks.meet(id, 2));
             }
             for node in &stretch.slices[begin[1]..end[1]] {
+                rest_now_and_then(&mut count, pause);
                 counts.slices += u64::from(self.slices.meet(node.id, node.words));
             }
             for node in &stretch.inner[begin[2]..end[2]] {
+                rest_now_and_then(&mut count, pause);
                 if self.inner.meet(node.id, node.words) {
                     counts.inner += 1;
                     self.holds_slices.push(u32::from(node.level) == SLICE_LEVEL + 1);
@@ -230,6 +249,15 @@ impl Order {
             added.1 += words;
             begin = end;
         }
+    }
+
+    /// Gives the memory back, bit by bit; what each root added is left.
+    pub fn discard(mut self, pause: Pause<'_>) -> Vec<(NodeCounts, u64)> {
+        self.slices.keys.drain(..).chain(self.inner.keys.drain(..)).for_each(|shard| {
+            drop(shard);
+            pause();
+        });
+        self.added
     }
 
     pub fn words(&self) -> u64 {
@@ -253,9 +281,12 @@ impl Order {
 }
 
 impl<'a> Walk<'a> {
-    fn new(order: &'a Order) -> Self {
+    fn new(order: &'a Order, pause: Pause<'a>) -> Self {
         Self {
             order,
+            pause,
+            count: 0,
+            stopped: false,
             met: Met::default(),
             met_masks: Bits::new(order.masks.length()),
             met_slices: Bits::new(order.slices.length()),
@@ -285,9 +316,10 @@ impl<'a> Walk<'a> {
         let order = self.order;
         let index = order.inner.index(id);
         let share_of_node = &order.inner_shares[index];
-        if !self.met_inner.insert(index) {
+        if self.stopped || !self.met_inner.insert(index) {
             return share_of_node.load(Ordering::Relaxed);
         }
+        self.stopped |= !rest_now_and_then(&mut self.count, self.pause);
         let (mut share, mut words) = (0, 1);
         for child in order.inner.key(id) {
             share += match child {

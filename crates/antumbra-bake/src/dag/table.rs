@@ -6,6 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use foldhash::fast::FixedState;
 
+use crate::Pause;
+
 /// A node, a mask, or one of the homogeneous volumes. Ids depend on the threads' timing; bytes never do, because
 /// [`super::encode`] numbers afresh.
 pub type Id = u32;
@@ -202,8 +204,12 @@ impl<K: Copy + Eq + FastHash> NodeTable<K> {
     }
 
     /// Keys by shard, for reading once all threads are done.
-    pub fn into_keys(self) -> Vec<Vec<K>> {
-        self.shards.into_iter().map(|s| s.into_inner().unwrap_or_else(PoisonError::into_inner).keys).collect()
+    pub fn into_keys(self, pause: Pause<'_>) -> Vec<Vec<K>> {
+        let keys = self.shards.into_iter().map(|shard| {
+            pause();
+            shard.into_inner().unwrap_or_else(PoisonError::into_inner).keys
+        });
+        keys.collect()
     }
 }
 
