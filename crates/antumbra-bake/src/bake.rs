@@ -38,6 +38,18 @@ pub enum Method {
     Sintorn2014,
 }
 
+impl Method {
+    /// As commands and tables call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Columns => "columns",
+            Self::Kampe2015 => "kampe2015",
+            Self::Sintorn2014 => "sintorn2014",
+        }
+    }
+}
+
 /// What to bake, and within which limits.
 #[derive(Clone, Copy, Debug)]
 pub struct BakeOptions {
@@ -204,6 +216,14 @@ pub enum BakeError {
     /// A policy's length that is none.
     #[error("interior policy {0} needs a length of 0 m or more")]
     Interior(&'static str),
+    /// A policy that a method does not know.
+    #[error("method {method} knows open and closed geometry only, not {policy}; use the method columns")]
+    MethodInterior {
+        /// The method.
+        method: &'static str,
+        /// The policy.
+        policy: &'static str,
+    },
     /// Texels so small that no grid has them.
     #[error(
         "texels of {texel_m:e} m over {extent_m:.1} m need more than 1048576 per side; ask for at least {least_m:.3e} m"
@@ -310,8 +330,16 @@ impl Stopwatch {
 
     /// What has been done since the last lap is a stage.
     pub fn lap(&mut self, name: &'static str) {
-        self.stages.push(Stage { name, seconds: self.since.elapsed().as_secs_f64() });
+        self.add(Stage { name, seconds: self.since.elapsed().as_secs_f64() });
         self.skip();
+    }
+
+    /// Adds to a stage that came before, or else a stage.
+    pub fn add(&mut self, stage: Stage) {
+        match self.stages.iter_mut().find(|before| before.name == stage.name) {
+            Some(before) => before.seconds += stage.seconds,
+            None => self.stages.push(stage),
+        }
     }
 
     /// What has been done since the last lap does not count.
@@ -325,6 +353,9 @@ pub(crate) fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeE
         && !(m >= 0.0 && m.is_finite())
     {
         return Err(BakeError::Interior(options.interior.name()));
+    }
+    if options.method != Method::Columns && matches!(options.interior, Interior::Thickness(_) | Interior::Static(_)) {
+        return Err(BakeError::MethodInterior { method: options.method.name(), policy: options.interior.name() });
     }
     let is_direction = |d: glam::DVec3| d.is_finite() && d != glam::DVec3::ZERO;
     let has_direction = |l: &Light| l.kind == antumbra_scene::LightKind::Point || is_direction(l.direction_world);

@@ -16,6 +16,7 @@
 
 pub mod ablation;
 mod bake;
+mod baseline;
 pub mod casters;
 pub mod columns;
 pub mod dag;

@@ -8,7 +8,8 @@ use antumbra::{LightKind, LightRecord};
 use antumbra_scene::Light;
 use rayon::prelude::*;
 
-use crate::bake::{BakeError, BakeOptions, LightReport, Progress, Stage, Stopwatch};
+use crate::bake::{BakeError, BakeOptions, LightReport, Method, Progress, Stage, Stopwatch};
+use crate::baseline;
 use crate::casters::Casters;
 use crate::columns::{Build, BuildError, BuildTriangle, Cutout, EnterGrid, Freedom, build};
 use crate::dag::{Id, LIT, Tables};
@@ -145,12 +146,19 @@ impl Lights<'_> {
         running.bytes.fetch_add(held, Ordering::Relaxed);
         let freedom = space.freedom(self.options.interior);
         let mut enters = Vec::new();
-        let roots = faces
+        let built = faces
             .iter()
             .map(|face| self.build_face(face, slices, &freedom, running, &mut enters, progress))
-            .collect::<Result<Vec<Id>, BakeError>>();
+            .collect::<Result<Vec<(Id, Vec<Stage>)>, BakeError>>();
         running.bytes.fetch_sub(held, Ordering::Relaxed);
-        clock.lap("building columns");
+        let mut roots = Vec::with_capacity(faces.len());
+        for (root, stages) in built? {
+            roots.push(root);
+            stages.into_iter().for_each(|stage| clock.add(stage));
+        }
+        if self.options.method == Method::Columns {
+            clock.lap("building columns");
+        }
         let mut section = Vec::new();
         if self.options.enter_depths {
             let log2 = space.resolution().log2();
@@ -159,7 +167,7 @@ impl Lights<'_> {
         Ok(BuiltLight {
             name: light.name.clone(),
             record: space.record(),
-            roots: roots?,
+            roots,
             enters: section,
             stages: clock.stages,
             warnings: Vec::new(),
@@ -174,10 +182,10 @@ impl Lights<'_> {
         running: &Running,
         enters: &mut Vec<Vec<enter::Cell>>,
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<Id, BakeError> {
+    ) -> Result<(Id, Vec<Stage>), BakeError> {
         let memory_limit = self.limit().saturating_sub(running.bytes.load(Ordering::Relaxed));
         let grid = self.options.enter_depths.then(|| EnterGrid::new(slices.resolution()));
-        let root = build(&Build {
+        let face = Build {
             triangles: &face.triangles,
             cutouts: &face.cutouts,
             slices,
@@ -187,9 +195,13 @@ impl Lights<'_> {
             memory_limit,
             progress,
             pause: &|| self.progress.pause(),
-        });
+        };
+        let built = match self.options.method {
+            Method::Columns => build(&face).map(|root| (root, Vec::new())),
+            method => baseline::build(baseline::Request::new(&face, method, self.options.cull_identical)),
+        };
         enters.extend(grid.map(|grid| grid.cells()));
-        root.map_err(|e| match e {
+        built.map_err(|e| match e {
             BuildError::MemoryLimit => self.out_of_memory("building"),
             BuildError::TooManyNodes => BakeError::TooManyNodes,
             BuildError::Cancelled => BakeError::Cancelled,

@@ -42,7 +42,7 @@ pub struct Build<'a> {
 }
 
 impl<'a> Build<'a> {
-    pub(super) fn resolution(&self) -> Resolution {
+    pub(crate) fn resolution(&self) -> Resolution {
         self.slices.resolution()
     }
 

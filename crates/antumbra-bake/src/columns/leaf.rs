@@ -20,10 +20,10 @@ pub(super) const LEAF_LOG2: u32 = 3;
 
 /// Rays turn from lit to shadowed at any one slice from `first` to `last`; `lit` are the rays still lit behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Transition {
+pub(super) struct Transition {
     first: u32,
-    last: u32,
-    lit: u64,
+    pub last: u32,
+    pub lit: u64,
 }
 
 /// What solving a leaf needs, kept between leaves.
@@ -131,11 +131,11 @@ impl WithSimd for FacePattern<'_> {
 }
 
 /// Stabs the intervals of 64 rays greedily by the closest exit: the fewest transitions that satisfy every ray.
-struct Stab<'a> {
-    enter: &'a mut Lanes,
-    exit: Lanes,
-    slices: u32,
-    transitions: &'a mut Vec<Transition>,
+pub(super) struct Stab<'a> {
+    pub enter: &'a mut Lanes,
+    pub exit: Lanes,
+    pub slices: u32,
+    pub transitions: &'a mut Vec<Transition>,
 }
 
 impl WithSimd for Stab<'_> {
@@ -240,7 +240,7 @@ impl Leaf<'_> {
 
     /// Mask of the texels whose centres the triangle covers, where it is there, of those that are `wanted`.
     #[inline(always)]
-    fn coverage(&self, triangle: &BuildTriangle, entry: Entry, wanted: &Lanes) -> Lanes {
+    pub fn coverage(&self, triangle: &BuildTriangle, entry: Entry, wanted: &Lanes) -> Lanes {
         let covered = self.covered_centers(triangle, entry, wanted);
         match triangle.cutout() {
             None => covered,

@@ -11,6 +11,7 @@
 //! that gaps resolve, and transitions that stay intervals until a block boundary is lost are ours; no depth map is
 //! ever made.
 
+mod block;
 mod build;
 mod column;
 mod cutout;
@@ -25,6 +26,7 @@ mod settle;
 mod tile;
 mod triangle;
 
+pub(crate) use block::Block;
 pub use build::{Build, BuildError, build};
 pub use cutout::{Cutout, CutoutCorners};
 pub use enters::EnterGrid;

@@ -107,7 +107,7 @@ impl BuildTriangle {
 
     /// What a crossing adds to the winding number.
     #[inline(always)]
-    pub(super) fn winding(&self) -> i32 {
+    pub(crate) fn winding(&self) -> i32 {
         match self.flags {
             SOLID_FACING => 1,
             SOLID => -1,
@@ -128,6 +128,17 @@ impl BuildTriangle {
     /// Whether it is the same triangle twice, whichever way it is turned.
     pub(super) fn has_corners_of(&self, other: &Self) -> bool {
         (self.x, self.y, self.z, self.slope) == (other.x, other.y, other.z, other.slope)
+    }
+
+    /// First and last texel along each axis whose centre its box may hold; texels may lie off the grid. `None` for one that
+    /// covers nothing.
+    pub(crate) fn texels(&self, resolution: Resolution) -> Option<[[i64; 2]; 2]> {
+        let steps = resolution.texel_steps();
+        let span = |c: [i32; 3]| {
+            let [low, high] = [c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2])].map(i64::from);
+            [(low - steps / 2).div_euclid(steps), (high - steps / 2).div_euclid(steps)]
+        };
+        (!self.is_edge_on()).then(|| [span(self.x), span(self.y)])
     }
 
     /// Ends of edge `i` on the lattice, in the triangle's order of turning.

@@ -91,9 +91,9 @@ pub struct Args {
 enum MethodArg {
     /// This program's own
     Columns,
-    /// Kämpe et al. 2015 (not in this version)
+    /// As Kämpe et al. 2015: for comparison; open and closed geometry only
     Kampe2015,
-    /// Sintorn et al. 2014 (not in this version)
+    /// As Sintorn et al. 2014: for comparison; open and closed geometry only
     Sintorn2014,
 }
 
@@ -128,9 +128,6 @@ pub fn run(args: &Args) -> Result<()> {
 fn refuse_what_comes_later(args: &Args) -> Result<()> {
     if args.resume {
         bail!("--resume is not in this version; leave it out to bake from the start");
-    }
-    if args.method != MethodArg::Columns {
-        bail!("--method kampe2015 and sintorn2014 are not in this version; use columns");
     }
     if args.encoding != "dag8" {
         bail!("--encoding \"{}\" is not in this version; use dag8", args.encoding);
