@@ -1,9 +1,10 @@
 //! Kämpe, Sintorn, Assarsson 2015, *Fast, memory-efficient construction of voxelized shadows*, section 3.
 //!
 //! Per map tile: enter and exit depths; for every 8 x 8 texels the fewest visibility masks, by the closest exit (section
-//! 3.4); a min-max hierarchy of the depths that the masks stand for; then top-down construction in z-order. A volume that
-//! is identical to the one in front of it, because no surface lies in either, uses that one's node again (section 3.2):
-//! every completed node keeps the depth of the next surface behind its beginning.
+//! 3.4); a min-max hierarchy of the depths; then top-down construction in z-order. A volume is lit throughout where all of
+//! it may be, else shadowed where all of it may be. One that is identical to the volume in front of it, because no surface
+//! lies in either, uses that one's node again (section 3.2): every completed node keeps the depth of the next surface
+//! behind its beginning.
 //!
 //! Where the time goes: at small resolutions of closed scenes in peeling exit depths, as in the paper; of open ones in
 //! inserting and merging nodes along the surfaces.
@@ -38,11 +39,6 @@ impl Masks {
         Self { begins, masks: of_block.concat(), log2_blocks: maps.log2_blocks }
     }
 
-    /// Bytes that a map tile's masks may take, when each block has as many as its texels allow.
-    pub fn bytes(&self) -> u64 {
-        (16 * self.masks.len() + 4 * self.begins.len()) as u64
-    }
-
     fn of_block(&self, block: usize) -> &[(u32, u64)] {
         &self.masks[self.begins[block] as usize..self.begins[block + 1] as usize]
     }
@@ -55,24 +51,29 @@ pub(super) struct Kampe2015 {
 }
 
 impl Kampe2015 {
-    pub fn new(masks: Masks) -> Self {
-        let ends = |block: usize| {
-            let masks = masks.of_block(block);
-            let last = masks.last().map_or(NEVER, |(slice, lit)| if *lit == 0 { *slice } else { NEVER });
-            [masks.first().map_or(NEVER, |(slice, _)| *slice), last]
-        };
-        let pyramid = Pyramid::new(masks.log2_blocks, ends);
+    /// From masks and the hierarchy of the depths that they were made of.
+    pub fn new(masks: Masks, pyramid: Pyramid) -> Self {
         Self { masks, pyramid }
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        // A block has a beginning and, with the levels above, a third more than one pair in the hierarchy.
+        (16 * self.masks.masks.len() + 16 * self.masks.begins.len()) as u64
     }
 }
 
 impl Voxels for Kampe2015 {
     fn homogeneous(&self, cube: Cube) -> Option<(bool, u32)> {
-        let [least, greatest] = self.pyramid.range(cube.level - 3, cube.x, cube.y);
-        if least >= cube.end() {
-            return Some((true, least));
+        let [least_exit, greatest_enter] = self.pyramid.range(cube.level - 3, cube.x, cube.y);
+        if least_exit >= cube.end() {
+            return Some((true, least_exit));
         }
-        (greatest <= cube.z).then_some((false, NEVER))
+        (greatest_enter <= cube.z).then_some((false, NEVER))
+    }
+
+    fn shadowed_from(&self, cube: Cube) -> u32 {
+        self.pyramid.range(cube.level - 3, cube.x, cube.y)[1]
     }
 
     fn slices(&self, cube: Cube) -> ([u64; 8], u32) {

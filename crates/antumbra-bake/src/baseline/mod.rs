@@ -114,11 +114,11 @@ fn map_tile(
         return squares(request, &voxels, tile, square_log2, left, graph, roots, clock);
     }
     let masks = Masks::new(&maps, slices);
-    drop(maps);
     clock.lap("visibility masks");
-    let left = (left + maps_bytes).checked_sub(masks.bytes()).ok_or(BuildError::MemoryLimit)?;
-    let voxels = Kampe2015::new(masks);
+    let voxels = Kampe2015::new(masks, maps.pyramid());
+    drop(maps);
     clock.lap("min-max");
+    let left = (left + maps_bytes).checked_sub(voxels.bytes()).ok_or(BuildError::MemoryLimit)?;
     squares(request, &voxels, tile, square_log2, left, graph, roots, clock)
 }
 
@@ -213,7 +213,7 @@ mod tests {
             };
             let maps = || DepthMaps { enter: (0..64).map(block).collect(), exit: None, log2_blocks: 3 };
             let expected = cubes(&depths);
-            let kampe = Kampe2015::new(Masks::new(&maps(), SIDE));
+            let kampe = Kampe2015::new(Masks::new(&maps(), SIDE), maps().pyramid());
             assert_eq!(counts(&kampe, true), expected, "culled, seed {seed}");
             assert_eq!(counts(&kampe, false), expected, "not culled, seed {seed}");
             assert_eq!(counts(&Sintorn2014::new(maps()), false), expected, "2014, seed {seed}");

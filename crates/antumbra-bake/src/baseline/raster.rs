@@ -12,6 +12,7 @@
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::pyramid::Pyramid;
 use crate::columns::{Block, Build};
 use crate::light_space::Resolution;
 
@@ -70,6 +71,15 @@ impl DepthMaps {
     /// A block's place in the maps.
     pub fn place(&self, x: u32, y: u32) -> usize {
         ((y << self.log2_blocks) + x) as usize
+    }
+
+    /// The min-max hierarchy: least exits and greatest enters.
+    pub fn pyramid(&self) -> Pyramid {
+        let exit = self.exit.as_ref().unwrap_or(&self.enter);
+        Pyramid::new(self.log2_blocks, |block| {
+            let least = exit[block].iter().fold(NEVER, |least, exit| least.min(*exit));
+            [least, self.enter[block].iter().fold(0, |greatest, enter| greatest.max(*enter))]
+        })
     }
 
     /// Draws the enter depths of a tile.

@@ -21,12 +21,7 @@ pub(super) struct Sintorn2014 {
 
 impl Sintorn2014 {
     pub fn new(maps: DepthMaps) -> Self {
-        let exit = maps.exit.as_ref().unwrap_or(&maps.enter);
-        let ends = |block: usize| {
-            let least = exit[block].iter().fold(NEVER, |least, exit| least.min(*exit));
-            [least, maps.enter[block].iter().fold(0, |greatest, enter| greatest.max(*enter))]
-        };
-        let pyramid = Pyramid::new(maps.log2_blocks, ends);
+        let pyramid = maps.pyramid();
         Self { maps, pyramid }
     }
 }
@@ -39,6 +34,10 @@ impl Voxels for Sintorn2014 {
         }
         // Nodes are not culled: where the next surface lies does not matter.
         (least_exit >= cube.end()).then_some((true, NEVER))
+    }
+
+    fn shadowed_from(&self, _: Cube) -> u32 {
+        NEVER
     }
 
     fn slices(&self, cube: Cube) -> ([u64; 8], u32) {

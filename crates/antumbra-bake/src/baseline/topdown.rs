@@ -39,6 +39,9 @@ pub(super) trait Voxels: Sync {
     /// changes.
     fn homogeneous(&self, cube: Cube) -> Option<(bool, u32)>;
 
+    /// A slice from which on cubes of this size over these texels are shadowed throughout.
+    fn shadowed_from(&self, cube: Cube) -> u32;
+
     /// The eight masks of a cube of 8 voxels per side, and the first slice behind its beginning in which a ray changes.
     fn slices(&self, cube: Cube) -> ([u64; 8], u32);
 }
@@ -109,6 +112,7 @@ impl<'a, V: Voxels> TopDown<'a, V> {
             }
         }
         let (node, first) = if cube.level == SLICE_LEVEL { self.leaf(cube) } else { self.inner(cube) };
+        let first = first.min(self.voxels.shadowed_from(cube));
         if self.culls {
             self.last[cube.level as usize][place] = Last { end: cube.end(), first, node };
         }

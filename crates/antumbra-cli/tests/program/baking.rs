@@ -143,7 +143,8 @@ fn a_failure_leaves_the_old_file_alone() {
     let folder = folder();
     let old = folder.path().join("b");
     fs::write(&old, "precious").expect("a file");
-    run(folder.path(), "bake {city} -o {b} --resolution 64 --method kampe2015").fails(&["kampe2015"]);
+    run(folder.path(), "bake {city} -o {b} --resolution 64 --method kampe2015 --interior static=1")
+        .fails(&["kampe2015", "static"]);
     run(folder.path(), "bake {b} -o {b}").fails(&["unknown kind"]);
     assert_eq!(fs::read(&old).expect("still there"), b"precious");
     run(folder.path(), "bake {city} -o {b} --resolution 64").ok();

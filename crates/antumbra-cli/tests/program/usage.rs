@@ -66,7 +66,6 @@ fn what_comes_later_says_so() {
         "rebuild f a.glb b.glb -o g",
         "bench construction",
         "bake {city} -o {b} --resume",
-        "bake {city} -o {b} --method kampe2015",
         "bake {city} -o {b} --encoding best",
         "render {city} -o {p} --technique csm",
         "render {city} -o {p} --device gpu",
