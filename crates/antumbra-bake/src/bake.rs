@@ -75,6 +75,8 @@ pub struct BakeOptions {
     /// Whether Kämpe et al.'s method reuses the adjacent node in front where that is identical, instead of merging it away
     /// later. The others take no notice.
     pub cull_identical: bool,
+    /// No vector instructions but those that every processor of the target has: slower, the same bytes.
+    pub plain_code: bool,
     /// Threads; 0 takes one per core.
     pub threads: usize,
     /// Bytes that the bake may hold beside the scene.
@@ -94,6 +96,7 @@ impl Default for BakeOptions {
             enter_depths: false,
             method: Method::Columns,
             cull_identical: true,
+            plain_code: false,
             threads: 0,
             memory_limit: None,
         }

@@ -195,6 +195,7 @@ impl Lights<'_> {
             memory_limit,
             progress,
             pause: &|| self.progress.pause(),
+            plain_code: self.options.plain_code,
         };
         let built = match self.options.method {
             Method::Columns => build(&face).map(|root| (root, Vec::new())),

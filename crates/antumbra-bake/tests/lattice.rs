@@ -27,6 +27,7 @@ fn bake_on_lattice(triangles: &[LatticeTriangle], resolution: Resolution) -> Sha
         memory_limit: u64::MAX,
         progress: &|_| {},
         pause: &antumbra_bake::never_pause,
+        plain_code: false,
     };
     let root = build(&all).unwrap();
     let encoded = encode(tables, &[(root, resolution.log2())], u64::MAX, &antumbra_bake::never_pause).unwrap();

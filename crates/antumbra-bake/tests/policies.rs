@@ -145,13 +145,16 @@ proptest! {
     }
 
     #[test]
-    fn threads_do_not_change_the_bytes(meshes in meshes(), light in light(), interior in interior()) {
-        let scene = scene(meshes, DAffine3::IDENTITY);
+    fn threads_and_instructions_do_not_change_the_bytes(meshes in meshes(), light in light(), interior in interior(), seed in any::<u32>()) {
+        let mut scene = scene(meshes, DAffine3::IDENTITY);
         prop_assume!(!scene.nodes.is_empty());
+        mask(&mut scene, seed);
         let with = |threads| BakeOptions { levels: true, enter_depths: true, ..options(interior, 256, threads) };
-        let bytes = |threads| bake_for_check(&scene, &light, &with(threads)).bytes;
-        let one = bytes(1);
-        prop_assert!(one == bytes(2) && one == bytes(3), "bytes differ between thread counts");
+        let bytes = |options: BakeOptions| bake_for_check(&scene, &light, &options).bytes;
+        let one = bytes(with(1));
+        prop_assert!(one == bytes(with(2)) && one == bytes(with(3)), "bytes differ between thread counts");
+        let plain = BakeOptions { plain_code: true, ..with(2) };
+        prop_assert!(one == bytes(plain), "bytes differ between vector code and plain code");
     }
 }
 

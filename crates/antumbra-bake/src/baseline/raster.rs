@@ -9,7 +9,7 @@
 //! faces apart, a pass here takes all surfaces of the next slice and adds up their windings; so overlapping, touching and
 //! nested solids come out as everywhere else in this crate.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::pyramid::Pyramid;
@@ -157,7 +157,7 @@ struct Pass<'a> {
 
 impl Pass<'_> {
     fn run(self) -> Nearest {
-        Arch::new().dispatch(self)
+        self.build.arch().dispatch(self)
     }
 }
 

@@ -39,11 +39,18 @@ pub struct Build<'a> {
     pub progress: &'a (dyn Fn(f64) + Sync),
     /// See [`Pause`].
     pub pause: Pause<'a>,
+    /// See [`crate::BakeOptions::plain_code`].
+    pub plain_code: bool,
 }
 
 impl<'a> Build<'a> {
     pub(crate) fn resolution(&self) -> Resolution {
         self.slices.resolution()
+    }
+
+    /// The instructions to use.
+    pub(crate) fn arch(&self) -> Arch {
+        if self.plain_code { Arch::Scalar } else { Arch::new() }
     }
 
     fn rules(&self) -> Rules<'a> {
@@ -147,7 +154,7 @@ impl<'a> Shared<'a> {
             return column;
         }
         let mut lists = [const { Vec::new() }; 4];
-        split(Arch::new(), self.build, tile, &entries, &mut lists);
+        split(self.build.arch(), self.build, tile, &entries, &mut lists);
         drop(entries);
         let children: Vec<Vec<Run>> =
             lists.into_par_iter().enumerate().map(|(i, list)| self.tile(tile.child(i as u32), list, clamp)).collect();
@@ -198,12 +205,12 @@ impl<'a> Worker<'a> {
     fn new(build: &'a Build<'a>) -> Self {
         Self {
             build,
-            arch: Arch::new(),
+            arch: build.arch(),
             nodes: Interner::new(build.tables),
             lists: (0..=build.resolution().log2()).map(|_| [const { Vec::new() }; 4]).collect(),
             runs: Vec::new(),
             merged: Vec::new(),
-            leaf: LeafScratch::default(),
+            leaf: LeafScratch::new(build.arch()),
             faces: FaceMemo::default(),
             stopped: false,
         }

@@ -27,7 +27,6 @@ pub(super) struct Transition {
 }
 
 /// What solving a leaf needs, kept between leaves.
-#[derive(Default)]
 pub(super) struct LeafScratch {
     arch: Arch,
     /// Crossings of a cluster.
@@ -53,6 +52,10 @@ struct Solve<'a> {
 }
 
 impl LeafScratch {
+    pub fn new(arch: Arch) -> Self {
+        Self { arch, rows: Vec::new(), transitions: Vec::new() }
+    }
+
     /// Appends the leaf's column of 8 x 8 x 8 blocks. `entries` are sorted by their first slices.
     pub fn push_column(
         &mut self,

@@ -149,6 +149,7 @@ fn options(args: &Args, held: u64) -> Result<BakeOptions> {
             MethodArg::Sintorn2014 => Method::Sintorn2014,
         },
         cull_identical: true,
+        plain_code: false,
         interior: args.interior,
         resolution: match (args.resolution, args.texel_size) {
             (Some(resolution), _) => ResolutionRequest::Texels(resolution),
