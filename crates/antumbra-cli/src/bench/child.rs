@@ -93,15 +93,6 @@ fn was_killed(_: ExitStatus) -> bool {
     false
 }
 
-/// A bake's policy as it is given to `--interior`.
-#[must_use]
-pub fn interior_argument(interior: antumbra::Interior) -> String {
-    match interior {
-        antumbra::Interior::Thickness(m) | antumbra::Interior::Static(m) => format!("{}={m}", interior.name()),
-        _ => interior.name().to_owned(),
-    }
-}
-
 #[cfg(all(test, unix))]
 mod tests {
     use std::os::unix::process::ExitStatusExt;

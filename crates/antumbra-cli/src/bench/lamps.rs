@@ -265,15 +265,24 @@ impl Lamps<'_> {
     fn plot(&self) -> Result<Plot> {
         let (ms, mb) = (self.milliseconds(), self.megabytes());
         let panel = |title: &str, axis, spread: &Spread, color| Panel {
-            title: format!("{}: {title}", self.subject.name),
+            title: format!(
+                "{}: {title}, {:.*} {axis} on average",
+                self.subject.name,
+                digits(spread.mean()),
+                spread.mean()
+            ),
             curves: vec![Curve { name: "", color, points: spread.points() }],
-            x: Axis::linear("lights, sorted", spread.sorted.len() as f64),
+            x: Axis::ranks("lights, sorted", spread.sorted.len()),
             y: Axis::linear(axis, spread.greatest()),
         };
-        let panels =
-            [panel("construction time of a light", "ms", &ms, ORANGE), panel("size of a light", "MB", &mb, BLUE)];
+        let panels = [panel("time of a light", "ms", &ms, ORANGE), panel("size of a light", "MB", &mb, BLUE)];
         Plot::new(file_name("lamps", &self.subject.name, "distribution"), &panels)
     }
+}
+
+/// Behind the point, so that two or more digits count.
+fn digits(value: f64) -> usize {
+    if value < 10.0 { 2 } else { 0 }
 }
 
 fn on_threads(bake: &Bake) -> String {

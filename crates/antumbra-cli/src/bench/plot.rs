@@ -48,11 +48,12 @@ const MOST_DOTS: usize = 24;
 const INK: RGBColor = RGBColor(40, 40, 40);
 const GRID: RGBColor = RGBColor(225, 225, 225);
 
-/// One axis, from its first tick to its last.
+/// One axis: it goes from its first tick to its last, and further where there is an end.
 #[derive(Clone)]
 pub struct Axis {
     name: &'static str,
     ticks: Vec<f64>,
+    end: Option<f64>,
     is_logarithmic: bool,
     /// What a tick says.
     label: fn(&f64) -> String,
@@ -64,7 +65,7 @@ impl Axis {
         let mut ticks: Vec<f64> = curves.iter().flat_map(|curve| &curve.points).map(|p| p.0).collect();
         ticks.sort_by(f64::total_cmp);
         ticks.dedup();
-        Self { name: "N, texels per side and slices", ticks, is_logarithmic: true, label: resolution_label }
+        Self { name: "N, texels per side and slices", ticks, end: None, is_logarithmic: true, label: resolution_label }
     }
 
     /// Bytes, logarithmically: a tick at every factor of 16, or of less where that makes too few.
@@ -73,7 +74,7 @@ impl Axis {
         let ticks = |step: f64| around(least.max(1.0).log2(), most.max(1.0).log2(), step);
         let logs = [4.0, 2.0].map(ticks).into_iter().find(|ticks| ticks.len() > 3).unwrap_or_else(|| ticks(1.0));
         let ticks = logs.into_iter().map(f64::exp2).collect();
-        Self { name, ticks, is_logarithmic: true, label: byte_label }
+        Self { name, ticks, end: None, is_logarithmic: true, label: byte_label }
     }
 
     /// Seconds, logarithmically: ticks at powers of ten, or at 1, 2, 5, 10 where that makes too few.
@@ -87,7 +88,7 @@ impl Axis {
             let last = finer.iter().position(|tick| *tick >= most).unwrap_or(finer.len() - 1);
             ticks = finer[first..=last].to_vec();
         }
-        Self { name: "seconds", ticks, is_logarithmic: true, label: plain_label }
+        Self { name: "seconds", ticks, end: None, is_logarithmic: true, label: plain_label }
     }
 
     /// From zero, evenly.
@@ -97,14 +98,27 @@ impl Axis {
         let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * ten);
         let step = steps.into_iter().find(|step| most / step <= 8.0).unwrap_or(steps[3]);
         let ticks = around(0.0, most, step);
-        Self { name, ticks, is_logarithmic: false, label: plain_label }
+        Self { name, ticks, end: None, is_logarithmic: false, label: plain_label }
+    }
+
+    /// Ranks, from none to so many.
+    pub fn ranks(name: &'static str, count: usize) -> Self {
+        let mut axis = Self::linear(name, count as f64);
+        axis.ticks.retain(|tick| *tick <= count as f64);
+        Self { end: Some(count as f64), ..axis }
     }
 
     /// Growth per doubling, from 1 to beyond the greatest.
     pub fn growth(curves: &[&Curve]) -> Self {
         let most = extent(curves).1.max(4.0);
         let ticks = (0..=(2.0 * most).ceil() as u32 + 1).map(|t| 0.5 * f64::from(t)).skip(2).collect();
-        Self { name: "bytes(N) / bytes(N/2)", ticks, is_logarithmic: false, label: |growth| format!("{growth:.1}") }
+        Self {
+            name: "bytes(N) / bytes(N/2)",
+            ticks,
+            end: None,
+            is_logarithmic: false,
+            label: |growth| format!("{growth:.1}"),
+        }
     }
 
     fn place(&self, value: f64) -> f64 {
@@ -145,7 +159,8 @@ impl Ranged for Axis {
     }
 
     fn range(&self) -> Range<f64> {
-        self.ticks.first().copied().unwrap_or(1.0)..self.ticks.last().copied().unwrap_or(1.0)
+        let first = self.ticks.first().copied().unwrap_or(1.0);
+        first..self.end.or(self.ticks.last().copied()).unwrap_or(1.0)
     }
 }
 
@@ -225,21 +240,22 @@ fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
             chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, color.filled())))?;
         }
         if let Some(last) = points.last().filter(|_| !name.is_empty()) {
-            names.push((chart.backend_coord(last), *name, *color));
+            names.push((chart.backend_coord(last).1, *name, *color));
         }
     }
-    draw_names(area, names)
+    let (left, top) = area.get_base_pixel();
+    let end = chart.plotting_area().get_x_axis_pixel_range().end;
+    draw_names(area, end - left + 10, names.into_iter().map(|(y, name, color)| (y - top - 8, name, color)).collect())
 }
 
-/// Names at their curves' ends, from above; where two would touch, the lower one gives way.
-fn draw_names(area: &Area<'_>, mut names: Vec<((i32, i32), &str, RGBColor)>) -> Drawn {
-    let (left, top) = area.get_base_pixel();
-    names.sort_by_key(|(at, ..)| at.1);
+/// Names beside the panel, as high as their curves end; where two would touch, the lower one gives way.
+fn draw_names(area: &Area<'_>, x: i32, mut names: Vec<(i32, &str, RGBColor)>) -> Drawn {
+    names.sort_by_key(|(y, ..)| *y);
     let mut free_from = i32::MIN;
-    for ((x, y), name, color) in names {
-        let y = (y - top - 8).max(free_from);
+    for (y, name, color) in names {
+        let y = y.max(free_from);
         free_from = y + NAME_DISTANCE;
-        area.draw(&Text::new(name, (x - left + 10, y), ("sans-serif", 16).into_font().color(&color)))?;
+        area.draw(&Text::new(name, (x, y), ("sans-serif", 16).into_font().color(&color)))?;
     }
     Ok(())
 }
@@ -260,6 +276,8 @@ mod tests {
         let labels: Vec<String> = Axis::seconds(&[&close]).ticks.iter().map(plain_label).collect();
         assert_eq!(labels, ["0.2", "0.5", "1"]);
         assert_eq!(Axis::linear("ms", 114.0).ticks.last(), Some(&120.0));
+        let ranks = Axis::ranks("lights", 165);
+        assert_eq!((ranks.ticks.last(), ranks.range()), (Some(&150.0), 0.0..165.0));
         let bytes: Vec<String> =
             Axis::bytes("bytes", &[&curve(&[(1.0, 3e6), (2.0, 5e6)])]).ticks.iter().map(byte_label).collect();
         assert_eq!(bytes, ["2 MiB", "4 MiB", "8 MiB"]);

@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 
 use super::Wish;
 use super::plan::{Combination, Technique};
-use crate::bench::child::{Outcome, Workshop, interior_argument};
+use crate::args::interior_argument;
+use crate::bench::child::{Outcome, Workshop};
 use crate::bench::section::{Row, row};
 
 /// What one bake took.

@@ -5,7 +5,7 @@ use antumbra_bake::light_space::Resolution;
 use clap::ValueEnum;
 
 use super::{Subject, Wish};
-use crate::bench::child::interior_argument;
+use crate::args::interior_argument;
 use crate::bench::resolutions;
 
 /// A way to construct.

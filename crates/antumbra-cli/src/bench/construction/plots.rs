@@ -5,7 +5,7 @@ use anyhow::Result;
 use super::Wish;
 use super::measure::{Figures, Measurement};
 use super::plan::Technique;
-use crate::bench::child::interior_argument;
+use crate::args::interior_argument;
 use crate::bench::plot::{AMBER, Axis, BLUE, Curve, GREY, ORANGE, Panel, Plot, file_name};
 
 /// What is drawn: its file's name, its title, its value and its axis.

@@ -2,9 +2,10 @@
 
 use serde_json::json;
 
-use super::{View, bytes, row_at, seconds, times};
+use super::{View, bytes, peak_bytes, row_at, seconds, times};
+use crate::bench::construction::measure::{Figures, Measurement};
 use crate::bench::construction::plan::Technique;
-use crate::bench::section::{Column, Section, Shown};
+use crate::bench::section::{Column, Row, Section, Shown};
 
 const COLUMNS: &[Column<'_>] = &[
     ("scene", "scene", Shown::Plain),
@@ -23,20 +24,21 @@ memory are the whole process's, with reading the scene, which is the same for al
 pub fn section(view: &View<'_>) -> Section {
     let mut section = Section::new("The papers' methods against the columns", ABOUT, COLUMNS);
     for other in view.all().filter(|m| m.combination.technique != Technique::Columns && m.figures.is_ok()) {
-        let Some(columns) = view.at(&other.combination, Technique::Columns) else { continue };
-        let (other, columns) = (Some(other), Some(columns));
-        section.rows.extend(other.map(|measurement| {
-            row_at(
-                &measurement.combination,
-                json!({
-                    "method": measurement.combination.technique.name(),
-                    "seconds": times(other, columns, seconds),
-                    "cpu_seconds": times(other, columns, |figures| figures.cpu_seconds),
-                    "peak_bytes": times(other, columns, |figures| figures.peak_bytes.map(|bytes| bytes as f64)),
-                    "bytes": times(other, columns, bytes),
-                }),
-            )
-        }));
+        section.rows.extend(view.at(&other.combination, Technique::Columns).map(|columns| against(other, columns)));
     }
     section
+}
+
+fn against(other: &Measurement<'_>, columns: &Measurement<'_>) -> Row {
+    let times = |figure: fn(&Figures) -> Option<f64>| times(Some(other), Some(columns), figure);
+    row_at(
+        &other.combination,
+        json!({
+            "method": other.combination.technique.name(),
+            "seconds": times(seconds),
+            "cpu_seconds": times(|figures| figures.cpu_seconds),
+            "peak_bytes": times(peak_bytes),
+            "bytes": times(bytes),
+        }),
+    )
 }

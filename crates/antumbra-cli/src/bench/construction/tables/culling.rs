@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{View, cell, row_at, seconds, times};
 use crate::bench::construction::measure::Figures;
-use crate::bench::construction::paper::{Culling, RESOLUTIONS, TABLE_1};
+use crate::bench::construction::paper::{Culling, RESOLUTIONS, TABLE_1, time};
 use crate::bench::construction::plan::Technique;
 use crate::bench::section::{Column, Row, Section, Shown, row};
 
@@ -63,10 +63,10 @@ fn paper_rows(interior: &'static str) -> impl Iterator<Item = Row> {
             "scene": "Closed City (2015)",
             "interior": interior,
             "resolution": n,
-            "without": total(without, i),
-            "without_part": part(without, i),
-            "with": total(with, i),
-            "with_part": part(with, i),
+            "without": total(without, i).map(time),
+            "without_part": part(without, i).map(time),
+            "with": total(with, i).map(time),
+            "with_part": part(with, i).map(time),
             "saved": total(without, i).zip(total(with, i)).map(|(without, with)| without / with),
         }))
     })

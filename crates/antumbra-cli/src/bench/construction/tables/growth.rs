@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{View, bytes, cell, row_at, seconds, times};
+use super::{View, bytes, cell, peak_bytes, row_at, seconds, times};
 use crate::bench::construction::measure::{Figures, Measurement};
 use crate::bench::section::{Column, Row, Section, Shown};
 
@@ -38,24 +38,20 @@ pub fn section(view: &View<'_>) -> Section {
 }
 
 fn measured(measurement: &Measurement<'_>, before: Option<&Measurement<'_>>) -> Row {
-    let this = Some(measurement);
-    let peak = |figures: &Figures| figures.peak_bytes.map(|bytes| bytes as f64);
-    let whole_bytes = |figure: fn(&Figures) -> Option<u64>| match measurement.figures.as_ref() {
-        Ok(figures) => figure(figures).into(),
-        Err(_) => serde_json::Value::Null,
-    };
+    let figures = measurement.figures.as_ref().ok();
+    let growth = |figure: fn(&Figures) -> Option<f64>| times(Some(measurement), before, figure);
     row_at(
         &measurement.combination,
         json!({
             "method": measurement.combination.technique.name(),
-            "seconds": cell(this, seconds),
-            "seconds_growth": times(this, before, seconds),
-            "bytes": whole_bytes(|figures| Some(figures.bytes)),
-            "bytes_growth": times(this, before, bytes),
-            "peak_bytes": whole_bytes(|figures| figures.peak_bytes),
-            "peak_growth": times(this, before, peak),
-            "cpu_seconds": measurement.figures.as_ref().ok().and_then(|figures| figures.cpu_seconds),
-            "wall_seconds": measurement.figures.as_ref().ok().map(|figures| figures.wall_seconds),
+            "seconds": cell(Some(measurement), seconds),
+            "seconds_growth": growth(seconds),
+            "bytes": figures.map(|figures| figures.bytes),
+            "bytes_growth": growth(bytes),
+            "peak_bytes": figures.and_then(|figures| figures.peak_bytes),
+            "peak_growth": growth(peak_bytes),
+            "cpu_seconds": figures.and_then(|figures| figures.cpu_seconds),
+            "wall_seconds": figures.map(|figures| figures.wall_seconds),
         }),
     )
 }

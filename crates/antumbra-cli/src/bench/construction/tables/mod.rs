@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::Wish;
 use super::measure::{Figures, Measurement};
 use super::plan::{Combination, Technique};
-use crate::bench::child::interior_argument;
+use crate::args::interior_argument;
 use crate::bench::section::{Row, Section};
 
 /// What is shown of a bake that ran out of memory.
@@ -116,13 +116,17 @@ fn row_at(point: &Combination<'_>, rest: Value) -> Row {
     row
 }
 
-/// Columns of resolutions: their keys.
+/// Key and heading of a resolution's column.
 fn resolution_key(n: u32) -> String {
     if n >= 1024 { format!("{}K", n / 1024) } else { n.to_string() }
 }
 
 fn bytes(figures: &Figures) -> Option<f64> {
     Some(figures.bytes as f64)
+}
+
+fn peak_bytes(figures: &Figures) -> Option<f64> {
+    figures.peak_bytes.map(|bytes| bytes as f64)
 }
 
 fn seconds(figures: &Figures) -> Option<f64> {

@@ -58,7 +58,7 @@ fn paper_rows(size: &'static Size) -> impl Iterator<Item = Row> {
             "resolution": n,
             "old": 1e6 * size.old[i],
             "new": 1e6 * size.new[i],
-            "old_over_new": size.old[i] / size.new[i],
+            "old_over_new": size.ratio[i],
         }))
     })
 }

@@ -3,9 +3,9 @@
 use serde_json::{Value, json};
 
 use super::{OUT_OF_MEMORY, View, resolution_key};
-use crate::bench::child::interior_argument;
+use crate::args::interior_argument;
 use crate::bench::construction::measure::{Figures, Measurement};
-use crate::bench::construction::paper::{TABLE_3, TABLE_3_RESOLUTIONS, WHOLE};
+use crate::bench::construction::paper::{TABLE_3, TABLE_3_RESOLUTIONS, WHOLE, time};
 use crate::bench::construction::plan::Combination;
 use crate::bench::section::{Column, Row, Section, Shown, row};
 
@@ -41,7 +41,7 @@ pub fn section(view: &View<'_>) -> Section {
     section.rows = view.series().iter().flat_map(|series| rows(view, series)).collect();
     section.rows.extend(TABLE_3.iter().map(|(interior, stage, seconds)| {
         let mut row = first_cells("Closed City (2015)", interior, "2015", stage);
-        row.extend(TABLE_3_RESOLUTIONS.iter().zip(seconds).map(|(n, s)| (resolution_key(*n), (*s).into())));
+        row.extend(TABLE_3_RESOLUTIONS.iter().zip(seconds).map(|(n, s)| (resolution_key(*n), time(*s).into())));
         row
     }));
     section

@@ -4,8 +4,8 @@ use serde_json::json;
 
 use super::stages::{FIRST_COLUMNS, with_resolutions};
 use super::{View, cell, resolution_key, seconds};
-use crate::bench::child::interior_argument;
-use crate::bench::construction::paper::{RESOLUTIONS, TABLE_4};
+use crate::args::interior_argument;
+use crate::bench::construction::paper::{RESOLUTIONS, TABLE_4, time};
 use crate::bench::section::{Section, row};
 
 const ABOUT: &str = "Table 4 of the paper: the whole construction. The paper's rows are with culling, and its last is of Sintorn et al. 2014.";
@@ -21,8 +21,8 @@ pub fn section(view: &View<'_>) -> Section {
         section.rows.push(row);
     }
     for (scene, interior, method, seconds) in TABLE_4 {
-        let mut row = row(json!({ "scene": format!("{scene} (2015)"), "interior": interior, "method": method }));
-        row.extend(RESOLUTIONS.iter().zip(seconds).map(|(n, seconds)| (resolution_key(*n), seconds.into())));
+        let mut row = row(json!({ "scene": scene, "interior": interior, "method": method }));
+        row.extend(RESOLUTIONS.iter().zip(seconds).map(|(n, seconds)| (resolution_key(*n), seconds.map(time).into())));
         section.rows.push(row);
     }
     section
