@@ -14,21 +14,31 @@ struct Figure {
     title: &'static str,
     value: fn(&Figures) -> Option<f64>,
     axis: fn(&[&Curve]) -> Axis,
+    /// Whether culling identical nodes changes it.
+    culling_matters: bool,
 }
 
 const FIGURES: [Figure; 3] = [
-    Figure { name: "seconds", title: "construction", value: |figures| Some(figures.seconds), axis: Axis::seconds },
+    Figure {
+        name: "seconds",
+        title: "construction",
+        value: |figures| Some(figures.seconds),
+        axis: Axis::seconds,
+        culling_matters: true,
+    },
     Figure {
         name: "memory",
         title: "peak memory",
         value: |figures| figures.peak_bytes.map(|bytes| bytes as f64),
         axis: |curves| Axis::bytes("peak memory of the process", curves),
+        culling_matters: true,
     },
     Figure {
         name: "bytes",
         title: "bytes",
         value: |figures| Some(figures.bytes as f64),
         axis: |curves| Axis::bytes("bytes of nodes", curves),
+        culling_matters: false,
     },
 ];
 
@@ -75,7 +85,12 @@ fn curves(measured: &[&Measurement<'_>], interior: antumbra::Interior, wish: &Wi
         let points = measured.iter().filter(of_curve).filter_map(point).collect();
         Curve { name: technique.name(), color: color(*technique), points }
     };
-    wish.techniques.iter().map(curve).filter(|curve| !curve.points.is_empty()).collect()
+    let is_repetition = |technique: &&Technique| {
+        let with_culling = wish.techniques.contains(&Technique::Kampe2015);
+        with_culling && !figure.culling_matters && **technique == Technique::Kampe2015WithoutCulling
+    };
+    let techniques = wish.techniques.iter().filter(|technique| !is_repetition(technique));
+    techniques.map(curve).filter(|curve| !curve.points.is_empty()).collect()
 }
 
 fn color(technique: Technique) -> plotters::style::RGBColor {
