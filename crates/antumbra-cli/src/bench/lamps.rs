@@ -264,16 +264,15 @@ impl Lamps<'_> {
     /// Both distributions, sorted, as in figure 3.
     fn plot(&self) -> Result<Plot> {
         let (ms, mb) = (self.milliseconds(), self.megabytes());
-        let panel = |title: &str, axis, spread: &Spread, color| Panel {
-            title: format!(
-                "{}: {title}, {:.*} {axis} on average",
-                self.subject.name,
-                digits(spread.mean()),
-                spread.mean()
-            ),
-            curves: vec![Curve { name: "", color, points: spread.points() }],
-            x: Axis::ranks("lights, sorted", spread.sorted.len()),
-            y: Axis::linear(axis, spread.greatest()),
+        let panel = |title: &str, unit, spread: &Spread, color| {
+            let curve = Curve { name: "", color, points: spread.points() };
+            let (digits, mean) = (digits(spread.mean()), spread.mean());
+            Panel {
+                title: format!("{}: {title}, {mean:.digits$} {unit} on average", self.subject.name),
+                x: Axis::ranks("lights, sorted", spread.sorted.len()),
+                y: Axis::logarithmic(unit, &[&curve]),
+                curves: vec![curve],
+            }
         };
         let panels = [panel("time of a light", "ms", &ms, ORANGE), panel("size of a light", "MB", &mb, BLUE)];
         Plot::new(file_name("lamps", &self.subject.name, "distribution"), &panels)

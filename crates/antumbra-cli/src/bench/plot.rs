@@ -48,24 +48,33 @@ const MOST_DOTS: usize = 24;
 const INK: RGBColor = RGBColor(40, 40, 40);
 const GRID: RGBColor = RGBColor(225, 225, 225);
 
-/// One axis: it goes from its first tick to its last, and further where there is an end.
+/// One axis.
 #[derive(Clone)]
 pub struct Axis {
     name: &'static str,
+    range: Range<f64>,
     ticks: Vec<f64>,
-    end: Option<f64>,
     is_logarithmic: bool,
     /// What a tick says.
     label: fn(&f64) -> String,
 }
 
+/// A logarithmic axis of 1, 2, 5, 10, 20, ... has no more ticks than these.
+const MOST_TICKS: usize = 10;
+
 impl Axis {
+    /// From the first tick to the last.
+    fn of_ticks(name: &'static str, ticks: Vec<f64>, is_logarithmic: bool, label: fn(&f64) -> String) -> Self {
+        let range = ticks.first().copied().unwrap_or(1.0)..ticks.last().copied().unwrap_or(1.0);
+        Self { name, range, ticks, is_logarithmic, label }
+    }
+
     /// Resolutions that curves have points at.
     pub fn resolutions(curves: &[&Curve]) -> Self {
         let mut ticks: Vec<f64> = curves.iter().flat_map(|curve| &curve.points).map(|p| p.0).collect();
         ticks.sort_by(f64::total_cmp);
         ticks.dedup();
-        Self { name: "N, texels per side and slices", ticks, end: None, is_logarithmic: true, label: resolution_label }
+        Self::of_ticks("N, texels per side and slices", ticks, true, resolution_label)
     }
 
     /// Bytes, logarithmically: a tick at every factor of 16, or of less where that makes too few.
@@ -73,62 +82,50 @@ impl Axis {
         let (least, most) = extent(curves);
         let ticks = |step: f64| around(least.max(1.0).log2(), most.max(1.0).log2(), step);
         let logs = [4.0, 2.0].map(ticks).into_iter().find(|ticks| ticks.len() > 3).unwrap_or_else(|| ticks(1.0));
-        let ticks = logs.into_iter().map(f64::exp2).collect();
-        Self { name, ticks, end: None, is_logarithmic: true, label: byte_label }
+        Self::of_ticks(name, logs.into_iter().map(f64::exp2).collect(), true, byte_label)
     }
 
-    /// Seconds, logarithmically: ticks at powers of ten, or at 1, 2, 5, 10 where that makes too few.
-    pub fn seconds(curves: &[&Curve]) -> Self {
+    /// Logarithmically, with ticks at 1, 2, 5, 10, or at powers of ten where those are too many.
+    pub fn logarithmic(name: &'static str, curves: &[&Curve]) -> Self {
         let (least, most) = extent(curves);
         let tens = around(least.max(1e-6).log10(), most.max(1e-6).log10(), 1.0);
-        let mut ticks: Vec<f64> = tens.iter().map(|log| 10_f64.powf(*log)).collect();
-        if ticks.len() < 4 {
-            let finer: Vec<f64> = ticks.iter().flat_map(|ten| [*ten, 2.0 * ten, 5.0 * ten]).collect();
-            let first = finer.iter().rposition(|tick| *tick <= least).unwrap_or(0);
-            let last = finer.iter().position(|tick| *tick >= most).unwrap_or(finer.len() - 1);
-            ticks = finer[first..=last].to_vec();
+        let steps: Vec<f64> = tens.iter().map(|log| 10_f64.powf(*log)).flat_map(|t| [t, 2.0 * t, 5.0 * t]).collect();
+        let first = steps.iter().rposition(|step| *step <= least).unwrap_or(0);
+        let last = steps.iter().position(|step| *step >= most).unwrap_or(steps.len() - 1).max(first + 1);
+        let axis = Self::of_ticks(name, steps[first..=last].to_vec(), true, plain_label);
+        if axis.ticks.len() <= MOST_TICKS {
+            return axis;
         }
-        Self { name: "seconds", ticks, end: None, is_logarithmic: true, label: plain_label }
-    }
-
-    /// From zero, evenly.
-    pub fn linear(name: &'static str, most: f64) -> Self {
-        let most = most.max(1e-9);
-        let ten = 10_f64.powf((most / 8.0).log10().floor());
-        let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * ten);
-        let step = steps.into_iter().find(|step| most / step <= 8.0).unwrap_or(steps[3]);
-        let ticks = around(0.0, most, step);
-        Self { name, ticks, end: None, is_logarithmic: false, label: plain_label }
+        let (from, to) = (axis.range.start, axis.range.end);
+        let ticks = steps.into_iter().step_by(3).filter(|ten| (from..=to).contains(ten)).collect();
+        Self { ticks, ..axis }
     }
 
     /// Ranks, from none to so many.
     pub fn ranks(name: &'static str, count: usize) -> Self {
-        let mut axis = Self::linear(name, count as f64);
-        axis.ticks.retain(|tick| *tick <= count as f64);
-        Self { end: Some(count as f64), ..axis }
+        let most = count.max(1) as f64;
+        let ten = 10_f64.powf((most / 8.0).log10().floor()).max(1.0);
+        let steps = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * ten);
+        let step = steps.into_iter().find(|step| most / step <= 8.0).unwrap_or(steps[3]);
+        let ticks = around(0.0, most, step).into_iter().filter(|tick| *tick <= most).collect();
+        Self { name, range: 0.0..most, ticks, is_logarithmic: false, label: plain_label }
     }
 
     /// Growth per doubling, from 1 to beyond the greatest.
     pub fn growth(curves: &[&Curve]) -> Self {
         let most = extent(curves).1.max(4.0);
         let ticks = (0..=(2.0 * most).ceil() as u32 + 1).map(|t| 0.5 * f64::from(t)).skip(2).collect();
-        Self {
-            name: "bytes(N) / bytes(N/2)",
-            ticks,
-            end: None,
-            is_logarithmic: false,
-            label: |growth| format!("{growth:.1}"),
-        }
+        Self::of_ticks("bytes(N) / bytes(N/2)", ticks, false, |growth| format!("{growth:.1}"))
     }
 
     fn place(&self, value: f64) -> f64 {
-        if self.is_logarithmic { value.max(f64::MIN_POSITIVE).log2() } else { value }
+        if self.is_logarithmic { value.log2() } else { value }
     }
 }
 
-/// Least and greatest value of curves.
+/// Least and greatest value of curves, of those above zero.
 fn extent(curves: &[&Curve]) -> (f64, f64) {
-    let values = || curves.iter().flat_map(|curve| &curve.points).map(|p| p.1);
+    let values = || curves.iter().flat_map(|curve| &curve.points).map(|p| p.1).filter(|value| *value > 0.0);
     if values().next().is_none() {
         return (1.0, 1.0);
     }
@@ -149,8 +146,9 @@ impl Ranged for Axis {
     fn map(&self, value: &f64, pixels: (i32, i32)) -> i32 {
         let range = self.range();
         let (first, last) = (self.place(range.start), self.place(range.end));
-        // A lone tick stands in the middle.
-        let share = if last > first { (self.place(*value) - first) / (last - first) } else { 0.5 };
+        // What has no logarithm lies on the edge, and a lone tick in the middle.
+        let value = value.max(range.start);
+        let share = if last > first { (self.place(value) - first) / (last - first) } else { 0.5 };
         pixels.0 + (share * f64::from(pixels.1 - pixels.0)).round() as i32
     }
 
@@ -159,8 +157,7 @@ impl Ranged for Axis {
     }
 
     fn range(&self) -> Range<f64> {
-        let first = self.ticks.first().copied().unwrap_or(1.0);
-        first..self.end.or(self.ticks.last().copied()).unwrap_or(1.0)
+        self.range.clone()
     }
 }
 
@@ -268,30 +265,36 @@ mod tests {
         Curve { name: "ours", color: BLUE, points: points.to_vec() }
     }
 
-    #[test]
-    fn ticks_go_around_what_is_shown() {
-        let over_decades = curve(&[(512.0, 0.03), (1024.0, 42.0)]);
-        assert_eq!(Axis::seconds(&[&over_decades]).ticks.len(), 5);
-        let close = curve(&[(512.0, 0.3), (1024.0, 0.7)]);
-        let labels: Vec<String> = Axis::seconds(&[&close]).ticks.iter().map(plain_label).collect();
-        assert_eq!(labels, ["0.2", "0.5", "1"]);
-        assert_eq!(Axis::linear("ms", 114.0).ticks.last(), Some(&120.0));
-        let ranks = Axis::ranks("lights", 165);
-        assert_eq!((ranks.ticks.last(), ranks.range()), (Some(&150.0), 0.0..165.0));
-        let bytes: Vec<String> =
-            Axis::bytes("bytes", &[&curve(&[(1.0, 3e6), (2.0, 5e6)])]).ticks.iter().map(byte_label).collect();
-        assert_eq!(bytes, ["2 MiB", "4 MiB", "8 MiB"]);
+    fn labels(axis: &Axis) -> Vec<String> {
+        axis.ticks.iter().map(axis.label).collect()
     }
 
     #[test]
-    fn a_single_point_and_none_are_drawn() {
-        for curves in [vec![curve(&[(512.0, 1.0)])], vec![]] {
+    fn ticks_go_around_what_is_shown() {
+        let logarithmic = |least, most| Axis::logarithmic("seconds", &[&curve(&[(512.0, least), (1024.0, most)])]);
+        assert_eq!(labels(&logarithmic(0.3, 0.7)), ["0.2", "0.5", "1"]);
+        assert_eq!(labels(&logarithmic(0.3, 0.3)), ["0.2", "0.5"]);
+        let wide = logarithmic(0.003, 42.0);
+        assert_eq!(
+            (labels(&wide), wide.range()),
+            (["0.01", "0.1", "1", "10"].map(str::to_owned).to_vec(), 0.002..50.0)
+        );
+        let bytes = Axis::bytes("bytes", &[&curve(&[(1.0, 3e6), (2.0, 5e6)])]);
+        assert_eq!(labels(&bytes), ["2 MiB", "4 MiB", "8 MiB"]);
+        let ranks = Axis::ranks("lights", 165);
+        assert_eq!((labels(&ranks).last().map(String::as_str), ranks.range()), (Some("150"), 0.0..165.0));
+        assert_eq!(labels(&Axis::ranks("lights", 2)), ["0", "1", "2"]);
+    }
+
+    #[test]
+    fn a_single_point_zero_and_none_are_drawn() {
+        for curves in [vec![curve(&[(512.0, 1.0)])], vec![curve(&[(512.0, 0.0)])], vec![]] {
             let all: Vec<&Curve> = curves.iter().collect();
-            let (x, y) = (Axis::resolutions(&all), Axis::seconds(&all));
+            let (x, y) = (Axis::resolutions(&all), Axis::logarithmic("seconds", &all));
             let panel = Panel { title: "t".to_owned(), curves, x, y };
             let plot = Plot::new(file_name("table", "a/b", "seconds"), &[panel]).expect("a plot");
             assert_eq!(plot.file_name, "table-a-b-seconds.svg");
-            assert!(plot.svg.starts_with("<svg") && !plot.svg.contains("NaN"));
+            assert!(plot.svg.starts_with("<svg") && !plot.svg.contains("NaN") && !plot.svg.contains("inf"));
         }
     }
 }

@@ -23,7 +23,7 @@ const FIGURES: [Figure; 3] = [
         name: "seconds",
         title: "construction",
         value: |figures| Some(figures.seconds),
-        axis: Axis::seconds,
+        axis: |curves| Axis::logarithmic("seconds", curves),
         culling_matters: true,
     },
     Figure {
