@@ -205,6 +205,15 @@ pub fn parse_interior(text: &str) -> Result<Interior, String> {
     }
 }
 
+/// What [`parse_interior`] reads as that policy.
+#[must_use]
+pub fn interior_argument(interior: Interior) -> String {
+    match interior {
+        Interior::Thickness(metres) | Interior::Static(metres) => format!("{}={metres}", interior.name()),
+        Interior::Auto | Interior::Open | Interior::Closed => interior.name().to_owned(),
+    }
+}
+
 /// A number of bytes: `K`, `M`, `G`, `T` and `KiB`, ... stand for powers of 1024, `KB`, ... for powers of 1000.
 pub fn parse_size(text: &str) -> Result<u64, String> {
     let problem = || "it must be a number of bytes such as 512M, 1.5G or 1GiB".to_owned();
@@ -265,6 +274,9 @@ mod tests {
     #[test]
     fn values() {
         assert_eq!(parse_interior("thickness=0.5"), Ok(Interior::Thickness(0.5)));
+        for policy in ["auto", "open", "closed", "thickness=0.5", "static=0.1"] {
+            assert_eq!(parse_interior(policy).map(interior_argument).as_deref(), Ok(policy));
+        }
         for wrong in ["", "solid", "thickness", "thickness=", "static=-1", "thickness=inf", "auto=1"] {
             assert!(parse_interior(wrong).is_err(), "{wrong}");
         }

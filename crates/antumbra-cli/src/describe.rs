@@ -4,6 +4,7 @@
 use antumbra::Interior;
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::stat::BakeStats;
+use antumbra_bake::Stage;
 use anyhow::Result;
 use serde_json::{Value, json};
 
@@ -20,6 +21,8 @@ pub struct LightSummary<'a> {
     pub bytes: u64,
     /// Known to the bake alone.
     pub build_seconds: Option<f64>,
+    /// Known to the bake alone.
+    pub stages: Option<&'a [Stage]>,
     pub nodes: NodeCounts,
 }
 
@@ -34,6 +37,7 @@ impl LightSummary<'_> {
             "texel_size_m": self.texel_size_m,
             "bytes": self.bytes,
             "build_seconds": self.build_seconds,
+            "stages": self.stages.map(stages),
             "nodes": nodes(self.nodes),
         })
     }
@@ -79,6 +83,12 @@ pub fn triangles_text(stats: &BakeStats) -> String {
 #[must_use]
 pub fn nodes(counts: NodeCounts) -> Value {
     json!({ "inner": counts.inner, "slices": counts.slices, "masks": counts.masks })
+}
+
+/// Parts of the work, with their wall time.
+#[must_use]
+pub fn stages(stages: &[Stage]) -> Value {
+    stages.iter().map(|stage| json!({ "name": stage.name, "seconds": stage.seconds })).collect()
 }
 
 /// Triangles by what became of them.

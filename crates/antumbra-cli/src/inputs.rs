@@ -60,3 +60,9 @@ pub fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
     if list.is_empty() { "none".to_owned() } else { list.join(", ") }
 }
+
+/// What a scene's file is called, without its folder and ending.
+#[must_use]
+pub fn scene_name(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}

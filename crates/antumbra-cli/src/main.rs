@@ -3,8 +3,8 @@
 //! Thin: each command is one file in [`commands`] that reads its arguments, calls the libraries and prints. Exit codes:
 //! 0 done, 2 bad usage, 1 anything else, with one sentence on stderr.
 
-mod ablations;
 mod args;
+mod bench;
 mod commands;
 mod compare;
 mod describe;
@@ -14,6 +14,7 @@ mod machine;
 mod memory;
 mod npy;
 mod output;
+mod processor;
 mod progress;
 mod table;
 

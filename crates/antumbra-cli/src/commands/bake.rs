@@ -16,7 +16,7 @@ use crate::describe::{self, LightSummary};
 use crate::output::{self, OutputFile};
 use crate::progress::Progress;
 use crate::table::{Table, bytes, count, printable};
-use crate::{inputs, lights, memory};
+use crate::{inputs, lights, memory, processor};
 
 const EXAMPLE: &str = "Example:\n  antumbra bake city.glb -o city.antumbra --sun 135,40 --resolution 16384";
 
@@ -73,6 +73,9 @@ pub struct Args {
     /// Construction method
     #[arg(long, value_enum, default_value_t = MethodArg::Columns)]
     method: MethodArg,
+    /// For --method kampe2015: make every node and merge identical ones afterwards, instead of reusing the one in front
+    #[arg(long)]
+    no_culling: bool,
     /// Most memory that the whole program may take: 512M, 2G, 1GiB or plain bytes
     #[arg(long, value_name = "SIZE", value_parser = args::parse_size)]
     memory_limit: Option<u64>,
@@ -109,25 +112,40 @@ enum DepthArg {
 /// Bakes.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
-    refuse_what_comes_later(args)?;
+    refuse_what_cannot_be(args)?;
     let output = OutputFile::new(&args.output)?;
     let progress = Progress::new(args.run.quiet);
     progress.stage("reading the scene");
     let mut scene = inputs::scene(&args.scene, &args.casters.exclude)?;
     let lights = lights::choose(&mut scene, &args.light, args.sun)?;
+    let read_seconds = start.elapsed().as_secs_f64();
     let held = memory::current_bytes().unwrap_or(0);
     let options = options(args, held)?;
     let baked = antumbra_bake::bake(&scene, &lights, &options, &progress).with_context(|| asked_for(args, held))?;
     progress.stage("writing");
+    let before_writing = Instant::now();
     output.write(&baked.bytes)?;
     drop(progress);
     output::warn(&baked.warnings);
-    report(args, &baked, start.elapsed().as_secs_f64())
+    let (write, wall) = (before_writing.elapsed().as_secs_f64(), start.elapsed().as_secs_f64());
+    report(args, &baked, Seconds { read: read_seconds, write, wall })
 }
 
-fn refuse_what_comes_later(args: &Args) -> Result<()> {
+/// What the command took beside the bake's own stages.
+#[derive(Clone, Copy)]
+struct Seconds {
+    read: f64,
+    write: f64,
+    /// All in all.
+    wall: f64,
+}
+
+fn refuse_what_cannot_be(args: &Args) -> Result<()> {
     if args.resume {
         bail!("--resume is not in this version; leave it out to bake from the start");
+    }
+    if args.no_culling && args.method != MethodArg::Kampe2015 {
+        bail!("--no-culling is for --method kampe2015 alone; leave it out");
     }
     if args.encoding != "dag8" {
         bail!("--encoding \"{}\" is not in this version; use dag8", args.encoding);
@@ -148,7 +166,7 @@ fn options(args: &Args, held: u64) -> Result<BakeOptions> {
             MethodArg::Kampe2015 => Method::Kampe2015,
             MethodArg::Sintorn2014 => Method::Sintorn2014,
         },
-        cull_identical: true,
+        cull_identical: !args.no_culling,
         plain_code: false,
         interior: args.interior,
         resolution: match (args.resolution, args.texel_size) {
@@ -178,7 +196,7 @@ fn asked_for(args: &Args, held: u64) -> String {
     format!("cannot bake {}{limit}", args.scene.display())
 }
 
-fn report(args: &Args, baked: &Baked, seconds: f64) -> Result<()> {
+fn report(args: &Args, baked: &Baked, seconds: Seconds) -> Result<()> {
     if args.json {
         return describe::print(&json!({
             "lights": baked.lights.iter().map(|light| summary(light).json()).collect::<Vec<_>>(),
@@ -187,14 +205,18 @@ fn report(args: &Args, baked: &Baked, seconds: f64) -> Result<()> {
             "threads": baked.threads,
             "triangles": describe::triangles(&baked.stats),
             "levels_bytes": baked.levels_bytes,
-            "seconds": seconds,
+            "stages": describe::stages(&baked.stages),
+            "read_seconds": seconds.read,
+            "write_seconds": seconds.write,
+            "wall_seconds": seconds.wall,
+            "cpu_seconds": processor::seconds(),
             "warnings": baked.warnings,
         }));
     }
     if args.run.quiet {
         return Ok(());
     }
-    output::print(&summary_table(args, baked, seconds))
+    output::print(&summary_table(args, baked, seconds.wall))
 }
 
 fn summary(light: &LightReport) -> LightSummary<'_> {
@@ -205,6 +227,7 @@ fn summary(light: &LightReport) -> LightSummary<'_> {
         texel_size_m: light.texel_size_m,
         bytes: light.bytes,
         build_seconds: Some(light.build_seconds),
+        stages: Some(&light.stages),
         nodes: light.nodes,
     }
 }

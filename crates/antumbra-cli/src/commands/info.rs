@@ -50,6 +50,7 @@ fn summary(light: LightShadow<'_>, (nodes, words): (NodeCounts, u64)) -> LightSu
         texel_size_m: record.texel_size_m,
         bytes: 4 * words,
         build_seconds: None,
+        stages: None,
         nodes,
     }
 }

@@ -38,7 +38,7 @@ pub enum Command {
     View(view::Args),
     /// Bake again after an edit (comes with a later version)
     Rebuild(rebuild::Args),
-    /// Tables and plots: the ablations of the papers (others come with a later version)
+    /// Tables and plots of the papers, and ours: construction, lamps, ablations
     Bench(bench::Args),
 }
 

@@ -2,6 +2,7 @@
 
 mod ablations;
 mod baking;
+mod benching;
 mod comparing;
 mod folder;
 mod pictures;

@@ -9,10 +9,11 @@ use antumbra_scene::Light;
 use anyhow::{Context, Result};
 use serde_json::json;
 
-use super::section::{Column, Row, Section, Shown, row};
-use super::{INTERIORS, Subject, Wish, baked, ratio, shadows};
+use super::{INTERIORS, Subject, Wish, baked, shadows};
+use crate::bench::ratio;
+use crate::bench::section::{Column, Row, Section, Shown, row};
 
-const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column<'_>] = &[
     ("scene", "scene", Shown::Plain),
     ("interior", "policy", Shown::Plain),
     ("resolution", "N", Shown::Plain),

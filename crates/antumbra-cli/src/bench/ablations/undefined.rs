@@ -7,10 +7,11 @@ use antumbra_scene::Light;
 use anyhow::{Context, Result, ensure};
 use serde_json::json;
 
-use super::section::{Column, Row, Section, Shown, row};
-use super::{Subject, Wish, baked, ratio};
+use super::{Subject, Wish, baked};
+use crate::bench::ratio;
+use crate::bench::section::{Column, Row, Section, Shown, row};
 
-const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column<'_>] = &[
     ("scene", "scene", Shown::Plain),
     ("resolution", "N", Shown::Plain),
     ("old_bytes", "2014", Shown::Bytes),

@@ -1,14 +1,12 @@
 //! `antumbra bench ablations`: what the papers' choices buy, measured at small resolutions.
 //!
-//! Each ablation is a file that makes rows for one scene and one light; [`section`] turns rows into JSON and Markdown, and
-//! [`plot`] draws curves. The builders compared are the baker's ([`antumbra_bake::ablation`]).
+//! Each ablation is a file that makes rows for one scene and one light. The builders compared are the baker's
+//! ([`antumbra_bake::ablation`]).
 
 mod depth;
 mod growth;
 mod lamps;
 mod leaves;
-mod plot;
-mod section;
 mod space;
 mod undefined;
 
@@ -20,9 +18,9 @@ use antumbra_scene::{AlphaMode, Light, LightKind, Scene};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 
-pub use plot::Plot;
-pub use section::{Row, Section};
-
+use crate::bench::report::Report;
+use crate::bench::resolutions;
+use crate::bench::section::{Row, Section};
 use crate::inputs::listed;
 use crate::progress::Progress;
 use crate::table::printable;
@@ -71,9 +69,7 @@ pub struct Wish {
 impl Wish {
     /// Powers of two from `first` to `last`, or to the largest wished for; at least one.
     fn resolutions(&self, first: u32, last: u32) -> impl Iterator<Item = Resolution> + use<> {
-        let last = last.min(self.largest.texels());
-        let first = first.min(last);
-        Resolution::all().filter(move |r| (first..=last).contains(&r.texels()))
+        resolutions(first, last.min(self.largest.texels()))
     }
 }
 
@@ -107,7 +103,7 @@ impl Subject {
 }
 
 /// Runs the ablations on all subjects; of several subjects, those that lack what an ablation needs are left out of it.
-pub fn run(subjects: &[Subject], wish: &Wish, progress: &Progress) -> Result<(Vec<Section>, Vec<Plot>)> {
+pub fn run(subjects: &[Subject], wish: &Wish, progress: &Progress) -> Result<Report> {
     let (mut sections, mut plots) = (Vec::new(), Vec::new());
     for &ablation in &wish.ablations {
         let of_suns = Ablation::OF_SUNS.contains(&ablation);
@@ -131,7 +127,8 @@ pub fn run(subjects: &[Subject], wish: &Wish, progress: &Progress) -> Result<(Ve
         made.retain(|section| !section.rows.is_empty());
         sections.append(&mut made);
     }
-    Ok((sections, plots))
+    let rows = sections.iter().flat_map(|section| section.rows.iter().cloned()).collect();
+    Ok(Report { table: "ablations", title: "Ablations of the papers", sections, rows, summary: Row::new(), plots })
 }
 
 fn sections_of(ablation: Ablation) -> Vec<Section> {
@@ -173,9 +170,4 @@ fn shadows(baked: &Baked) -> Result<ShadowFile> {
 /// Traces what casts in a bake.
 fn tracer(scene: &Scene) -> Tracer {
     Tracer::new(scene, |node, material| !node.dynamic && material.alpha_mode != AlphaMode::Blend)
-}
-
-/// How many times `b` `a` is.
-fn ratio(a: u64, b: u64) -> f64 {
-    a as f64 / b.max(1) as f64
 }

@@ -8,12 +8,13 @@ use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use serde_json::json;
 
-use super::section::{Column, Row, Section, Shown, row};
-use super::{INTERIORS, Subject, Wish, baked, ratio, shadows, tracer};
+use super::{INTERIORS, Subject, Wish, baked, shadows, tracer};
+use crate::bench::ratio;
+use crate::bench::section::{Column, Row, Section, Shown, row};
 use crate::compare::Kind;
 use crate::compare::sampling::{Random, Sampler};
 
-const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column<'_>] = &[
     ("scene", "scene", Shown::Plain),
     ("interior", "policy", Shown::Plain),
     ("resolution", "N", Shown::Plain),

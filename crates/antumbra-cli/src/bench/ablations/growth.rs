@@ -5,11 +5,12 @@ use antumbra_scene::Light;
 use anyhow::Result;
 use serde_json::json;
 
-use super::plot::{Curve, Plot};
-use super::section::{Column, Row, Section, Shown, row};
-use super::{INTERIORS, Subject, Wish, baked, ratio};
+use super::{INTERIORS, Subject, Wish, baked};
+use crate::bench::plot::{Axis, BLUE, Curve, GREY, ORANGE, Panel, Plot, file_name};
+use crate::bench::ratio;
+use crate::bench::section::{Column, Row, Section, Shown, row};
 
-const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column<'_>] = &[
     ("scene", "scene", Shown::Plain),
     ("interior", "policy", Shown::Plain),
     ("resolution", "N", Shown::Plain),
@@ -58,26 +59,31 @@ pub fn rows(subject: &Subject, sun: &Light, wish: &Wish) -> Result<Vec<Row>> {
 
 /// Bytes and growth of one scene's rows.
 pub fn plots(scene: &str, rows: &[Row]) -> Result<Vec<Plot>> {
-    let curve = |name, key: &str, interior: Interior| {
+    let curve = |name, color, key: &str, interior: Interior| {
         let of_interior = rows.iter().filter(|row| row["interior"] == interior.name());
         let point = |row: &Row| Some((row["resolution"].as_f64()?, row[key].as_f64()?));
-        Curve { name, points: of_interior.filter_map(point).collect() }
+        Curve { name, color, points: of_interior.filter_map(point).collect() }
     };
-    let bytes = [
-        curve("16-bit shadow map", "shadow_map_bytes", Interior::Open),
-        curve("open", "pool_bytes", Interior::Open),
-        curve("auto", "pool_bytes", Interior::Auto),
+    let shadow_map = curve("16-bit shadow map", GREY, "shadow_map_bytes", Interior::Open);
+    let bytes = vec![
+        shadow_map,
+        curve("open", ORANGE, "pool_bytes", Interior::Open),
+        curve("auto", BLUE, "pool_bytes", Interior::Auto),
     ];
-    let constant = |name, value: f64, curve: &Curve| {
-        let points = curve.points.iter().map(|(n, _)| (*n, value)).collect();
-        Curve { name, points }
-    };
-    let (open, auto) = (curve("open", "growth", Interior::Open), curve("auto", "growth", Interior::Auto));
-    let growth = [constant("16-bit shadow map", 4.0, &open), open, auto];
+    let open = curve("open", ORANGE, "growth", Interior::Open);
+    let constant = open.points.iter().map(|(n, _)| (*n, 4.0)).collect();
+    let shadow_map = Curve { name: "16-bit shadow map", color: GREY, points: constant };
+    let growth = vec![shadow_map, open, curve("auto", BLUE, "growth", Interior::Auto)];
+    let mut plots = vec![plot(scene, "bytes", "bytes over resolution", bytes, |curves| Axis::bytes("bytes", curves))?];
     // A growth needs two resolutions.
-    let mut plots = vec![Plot::bytes(scene, &bytes)?];
     if growth[1].points.len() > 1 {
-        plots.push(Plot::growth(scene, &growth)?);
+        plots.push(plot(scene, "growth", "growth per doubling of the resolution", growth, Axis::growth)?);
     }
     Ok(plots)
+}
+
+fn plot(scene: &str, what: &str, title: &str, curves: Vec<Curve>, y: impl Fn(&[&Curve]) -> Axis) -> Result<Plot> {
+    let all: Vec<&Curve> = curves.iter().collect();
+    let (x, y) = (Axis::resolutions(&all), y(&all));
+    Plot::new(file_name("ablations", scene, what), &[Panel { title: format!("{scene}: {title}"), curves, x, y }])
 }

@@ -11,12 +11,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::section::{Column, Row, Section, Shown, row};
-use super::{Subject, Wish, ratio, shadows, tracer};
+use super::{Subject, Wish, shadows, tracer};
+use crate::bench::ratio;
+use crate::bench::section::{Column, Row, Section, Shown, row};
 use crate::compare::Kind;
 use crate::compare::sampling::Random;
 
-const HEIGHT_COLUMNS: &[Column] = &[
+const HEIGHT_COLUMNS: &[Column<'_>] = &[
     ("scene", "scene", Shown::Plain),
     ("resolution", "N", Shown::Plain),
     ("nears", "distance / near", Shown::Plain),
@@ -28,7 +29,7 @@ const HEIGHT_COLUMNS: &[Column] = &[
 const HEIGHT_ABOUT: &str = "Height of a slice along the axis of the first lamp's face. Heights go as 1 / N. Logarithmic slices keep the ratio \
 of height to distance; even ones in normalized device coordinates grow with its square.";
 
-const COLUMNS: &[Column] = &[
+const COLUMNS: &[Column<'_>] = &[
     ("scene", "scene", Shown::Plain),
     ("lights", "lights", Shown::Plain),
     ("resolution", "N", Shown::Plain),

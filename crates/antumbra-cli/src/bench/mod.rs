@@ -1,0 +1,25 @@
+//! `antumbra bench`: tables and plots of the papers, and of our own.
+//!
+//! A table is a module that measures and hands over a [`report::Report`]: rows for JSON, sections for Markdown and plots.
+//! [`ablations`] runs inside this process; [`construction`] and [`lamps`] run every bake as a child process
+//! ([`child`]), so that its peak memory is its own.
+
+pub mod ablations;
+pub mod child;
+pub mod construction;
+pub mod lamps;
+pub mod plot;
+pub mod report;
+pub mod section;
+
+use antumbra_bake::light_space::Resolution;
+
+/// How many times `b` `a` is.
+fn ratio(a: u64, b: u64) -> f64 {
+    a as f64 / b.max(1) as f64
+}
+
+/// Powers of two from `first` to `last`; `last` alone if `first` is greater.
+fn resolutions(first: u32, last: u32) -> impl Iterator<Item = Resolution> {
+    Resolution::all().filter(move |r| (first.min(last)..=last).contains(&r.texels()))
+}

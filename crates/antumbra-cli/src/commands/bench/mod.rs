@@ -1,0 +1,47 @@
+//! `antumbra bench`: tables and plots of the papers, and of our own, one file each.
+
+mod ablations;
+mod construction;
+mod lamps;
+
+use anyhow::{Result, bail};
+use clap::Subcommand;
+
+/// Prints the tables of the papers and of our own.
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  antumbra bench construction --largest 8192 --out tables",
+    arg_required_else_help = true,
+    subcommand_value_name = "TABLE",
+    subcommand_help_heading = "Tables (encodings, csm, ivsv and culling come with a later version)",
+    disable_help_subcommand = true
+)]
+pub struct Args {
+    #[command(subcommand)]
+    table: Table,
+}
+
+#[derive(Subcommand)]
+enum Table {
+    /// What each of the papers' choices buys, at small resolutions
+    Ablations(ablations::Args),
+    /// Seconds, memory and bytes of the construction, beside the papers' methods and figures
+    Construction(construction::Args),
+    /// Seconds and bytes of every spot and point light of a scene
+    Lamps(lamps::Args),
+    #[command(external_subcommand)]
+    Other(Vec<String>),
+}
+
+/// Measures and prints.
+pub fn run(args: &Args) -> Result<()> {
+    match &args.table {
+        Table::Ablations(args) => ablations::run(args),
+        Table::Construction(args) => construction::run(args),
+        Table::Lamps(args) => lamps::run(args),
+        Table::Other(words) => bail!(
+            "the table \"{}\" is not in this version; this one has: ablations, construction, lamps",
+            words.first().map_or("", String::as_str)
+        ),
+    }
+}
