@@ -99,14 +99,14 @@ impl<'a> Layout<'a> {
         });
         let mask = |id| POOL_HEADER_WORDS as u32 + order.masks.word(id);
         pieces(slices, &order.slices.order, |id| order.slices.word(id)).into_par_iter().for_each(|piece| {
-            piece.write(|id, _| (order.slices.key(id), order.share(id, SLICE_LEVEL)), |id, _| mask(id));
+            piece.write(|id, _| (order.slices.key(id).0, order.share(id, SLICE_LEVEL)), |id, _| mask(id));
             pause();
         });
         pieces(inner, &order.inner.order, |id| order.inner.word(id)).into_par_iter().for_each(|piece| {
             // Any level above the children's will do.
             let level = |place: usize| if order.holds_slices[place] { SLICE_LEVEL + 1 } else { SLICE_LEVEL + 2 };
             piece.write(
-                |id, place| (order.inner.key(id), order.share(id, level(place))),
+                |id, place| (order.inner.key(id).0, order.share(id, level(place))),
                 |child, place| self.reference(child, level(place) - 1),
             );
             pause();

@@ -89,7 +89,7 @@ impl Coarse<'_> {
             self.fill(&mut masks, id, level, [0; 3], 8);
             self.tables.slice_node(masks.map(|mask| self.tables.mask(mask)))
         } else {
-            let octants = self.tables.inner.key(id);
+            let octants = self.tables.inner.key(id).0;
             let octants = octants.map(|octant| self.node(octant, level - 1));
             self.tables.inner_node(octants)
         };
@@ -113,7 +113,7 @@ impl Coarse<'_> {
             _ if level == SLICE_LEVEL => self.fill_from_slices(masks, id, corner, side),
             _ => {
                 let half = side / 2;
-                for (i, octant) in (0..).zip(self.tables.inner.key(id)) {
+                for (i, octant) in (0..).zip(self.tables.inner.key(id).0) {
                     let at = [corner[0] + half * (i & 1), corner[1] + half * (i >> 1 & 1), corner[2] + half * (i >> 2)];
                     self.fill(masks, octant, level - 1, at, half);
                 }
@@ -124,7 +124,7 @@ impl Coarse<'_> {
     /// The same where the node's slices must be looked into: coarse voxels of 2 or 4 voxels per side.
     fn fill_from_slices(&self, masks: &mut [u64; 8], id: Id, corner: [u32; 3], side: u32) {
         let width = 8 / side;
-        let slices = self.tables.slices.key(id).map(|mask| self.mask(mask));
+        let slices = self.tables.slices.key(id).0.map(|mask| self.mask(mask));
         let square = (0..width).fold(0u64, |square, row| square | (((1 << width) - 1) << (8 * row)));
         for z in 0..side {
             for y in 0..side {
@@ -154,7 +154,7 @@ impl Coarse<'_> {
             LIT => return WHOLE,
             SHADOWED => return 0,
             _ if level == SLICE_LEVEL => {
-                let slices = self.tables.slices.key(id);
+                let slices = self.tables.slices.key(id).0;
                 return slice_node_share(slices.iter().map(|mask| self.mask(*mask).count_ones()).sum());
             }
             _ => {}
@@ -162,7 +162,7 @@ impl Coarse<'_> {
         if let Some(share) = self.shares.get(&id) {
             return *share;
         }
-        let octants = self.tables.inner.key(id);
+        let octants = self.tables.inner.key(id).0;
         let share = octants.iter().map(|octant| self.share(*octant, level - 1) / 8).sum();
         self.shares.insert(id, share);
         share

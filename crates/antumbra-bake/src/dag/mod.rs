@@ -10,4 +10,4 @@ mod table;
 
 pub use encode::{EncodeError, Encoded, encode};
 pub use levels::{LevelsError, coarse_levels};
-pub use table::{Id, Interner, LIT, NodeTable, SHADOWED, Tables};
+pub use table::{Children, Id, Interner, LIT, NodeTable, SHADOWED, Tables};

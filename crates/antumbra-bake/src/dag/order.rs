@@ -11,7 +11,7 @@ use antumbra::format::dag8::{NodeCounts, SLICE_LEVEL, WHOLE, slice_node_share};
 use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
-use super::table::{self, FastHash, Id, LIT, NodeTable, SHADOWED, Tables};
+use super::table::{self, Children, FastHash, Id, LIT, NodeTable, SHADOWED, Tables};
 use crate::Pause;
 
 /// Stretches per thread: more would balance better, and meet more nodes twice.
@@ -22,8 +22,8 @@ const SPLIT_LEVELS: u32 = 3;
 /// Every node that the roots reach, in order.
 pub(super) struct Order {
     pub masks: Part<u64>,
-    pub slices: Part<[Id; 8]>,
-    pub inner: Part<[Id; 8]>,
+    pub slices: Part<Children>,
+    pub inner: Part<Children>,
     /// Whether each inner node in `inner.order` holds slice nodes.
     pub holds_slices: Vec<bool>,
     /// Lit shares of nodes, by their index: see [`WHOLE`].
@@ -210,7 +210,7 @@ impl Order {
         if split_levels == 0 || level <= SLICE_LEVEL + 1 {
             return items.push(Item { root, id, level, alone: false });
         }
-        for child in self.inner.key(id) {
+        for child in self.inner.key(id).0 {
             self.push_items(root, child, level - 1, split_levels - 1, items);
         }
         items.push(Item { root, id, level, alone: true });
@@ -275,7 +275,7 @@ impl Order {
     }
 
     fn set_inner_share(&self, id: Id, level: u32) {
-        let share = self.inner.key(id).iter().map(|child| self.share(*child, level - 1) / 8).sum();
+        let share = self.inner.key(id).0.iter().map(|child| self.share(*child, level - 1) / 8).sum();
         self.inner_shares[self.inner.index(id)].store(share, Ordering::Relaxed);
     }
 }
@@ -297,7 +297,7 @@ impl<'a> Walk<'a> {
     fn stretch(mut self, items: &[Item]) -> Met {
         for item in items {
             if item.alone {
-                let words = node_words(&self.order.inner.key(item.id)) as u8;
+                let words = node_words(&self.order.inner.key(item.id).0) as u8;
                 self.met.inner.push(MetNode { id: item.id, level: item.level as u8, words, alone: true });
             } else {
                 self.visit(item.id, item.level);
@@ -321,7 +321,7 @@ impl<'a> Walk<'a> {
         }
         self.stopped |= !rest_now_and_then(&mut self.count, self.pause);
         let (mut share, mut words) = (0, 1);
-        for child in order.inner.key(id) {
+        for child in order.inner.key(id).0 {
             share += match child {
                 LIT => WHOLE / 8,
                 SHADOWED => 0,
@@ -344,7 +344,7 @@ impl<'a> Walk<'a> {
             return share_of_node.load(Ordering::Relaxed);
         }
         let (mut lit, mut words) = (0, 1);
-        for mask in order.slices.key(id) {
+        for mask in order.slices.key(id).0 {
             lit += match mask {
                 LIT => 64,
                 SHADOWED => 0,
