@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::stat::BakeStats;
-use antumbra::format::write::{Contents, write};
+use antumbra::format::write::{Contents, write_paced};
 use antumbra::{DepthDistribution, Interior, LightKind};
 use antumbra_scene::{Light, Scene};
 
@@ -36,6 +36,18 @@ pub enum Method {
     Kampe2015,
     /// As Sintorn et al. 2014 do, for comparison.
     Sintorn2014,
+}
+
+impl Method {
+    /// As commands and tables call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Columns => "columns",
+            Self::Kampe2015 => "kampe2015",
+            Self::Sintorn2014 => "sintorn2014",
+        }
+    }
 }
 
 /// What to bake, and within which limits.
@@ -94,6 +106,11 @@ pub trait Progress: Sync {
     fn stage(&self, name: &str);
     /// Share of the stage that is done, 0 to 1.
     fn advance(&self, share: f64);
+    /// Called by threads at work every small part of a millisecond, wherever they may rest: may block for as long as it
+    /// likes. False ends the bake early, with [`BakeError::Cancelled`].
+    fn pause(&self) -> bool {
+        true
+    }
 }
 
 /// Hears nothing.
@@ -199,6 +216,14 @@ pub enum BakeError {
     /// A policy's length that is none.
     #[error("interior policy {0} needs a length of 0 m or more")]
     Interior(&'static str),
+    /// A policy that a method does not know.
+    #[error("method {method} knows open and closed geometry only, not {policy}; use the method columns")]
+    MethodInterior {
+        /// The method.
+        method: &'static str,
+        /// The policy.
+        policy: &'static str,
+    },
     /// Texels so small that no grid has them.
     #[error(
         "texels of {texel_m:e} m over {extent_m:.1} m need more than 1048576 per side; ask for at least {least_m:.3e} m"
@@ -219,6 +244,9 @@ pub enum BakeError {
         /// Where it was reached.
         stage: &'static str,
     },
+    /// [`Progress::pause`] said so.
+    #[error("the bake was cancelled")]
+    Cancelled,
     /// The system would not give the threads.
     #[error("cannot start {threads} threads: {reason}; ask for fewer")]
     Threads {
@@ -240,20 +268,24 @@ pub fn bake(
     options: &BakeOptions,
     progress: &dyn Progress,
 ) -> Result<Baked, BakeError> {
-    let builder = rayon::ThreadPoolBuilder::new().num_threads(options.threads);
-    let pool = builder.build().map_err(|e| BakeError::Threads { threads: options.threads, reason: e.to_string() })?;
-    pool.install(|| bake_here(scene, lights, options, progress))
+    pool(options.threads)?.install(|| {
+        check(lights, options)?;
+        progress.stage("finding closed parts");
+        let mut clock = Stopwatch::start();
+        let casters = judge_casters(scene, options)?;
+        clock.lap("finding closed parts");
+        bake_lights(&casters, lights, options, progress, clock)
+    })
 }
 
-fn bake_here(
-    scene: &Scene,
-    lights: &[Light],
-    options: &BakeOptions,
-    progress: &dyn Progress,
-) -> Result<Baked, BakeError> {
-    check(lights, options)?;
-    progress.stage("finding closed parts");
-    let mut clock = Stopwatch::start();
+/// Threads to work on.
+pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, BakeError> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    builder.build().map_err(|e| BakeError::Threads { threads, reason: e.to_string() })
+}
+
+/// Chooses and judges the casters as the options say.
+pub(crate) fn judge_casters<'a>(scene: &'a Scene, options: &BakeOptions) -> Result<Casters<'a>, BakeError> {
     let find_solids = options.interior != Interior::Open;
     let limit = options.memory_limit.unwrap_or(u64::MAX);
     let caster_options =
@@ -263,13 +295,23 @@ fn bake_here(
     if casters.counts.open + casters.counts.closed == 0 {
         return Err(BakeError::NoCasters);
     }
-    let mut warnings = casters_warnings(&casters, options);
-    clock.lap("finding closed parts");
+    Ok(casters)
+}
+
+/// Bakes on the current pool.
+pub(crate) fn bake_lights(
+    casters: &Casters<'_>,
+    lights: &[Light],
+    options: &BakeOptions,
+    progress: &dyn Progress,
+    mut clock: Stopwatch,
+) -> Result<Baked, BakeError> {
+    let mut warnings = casters_warnings(casters, options);
     let tables = Tables::default();
-    let mut built = Lights { casters: &casters, options, tables: &tables, progress }.build(lights)?;
+    let mut built = Lights { casters, options, tables: &tables, progress }.build(lights)?;
     built.iter_mut().for_each(|light| warnings.append(&mut light.warnings));
     clock.skip();
-    let mut baked = finish(scene, &casters, tables, built, options, progress, warnings)?;
+    let mut baked = finish(casters, tables, built, options, progress, warnings)?;
     clock.lap("encoding");
     baked.stages = clock.stages;
     Ok(baked)
@@ -288,8 +330,16 @@ impl Stopwatch {
 
     /// What has been done since the last lap is a stage.
     pub fn lap(&mut self, name: &'static str) {
-        self.stages.push(Stage { name, seconds: self.since.elapsed().as_secs_f64() });
+        self.add(Stage { name, seconds: self.since.elapsed().as_secs_f64() });
         self.skip();
+    }
+
+    /// Adds to a stage that came before, or else a stage.
+    pub fn add(&mut self, stage: Stage) {
+        match self.stages.iter_mut().find(|before| before.name == stage.name) {
+            Some(before) => before.seconds += stage.seconds,
+            None => self.stages.push(stage),
+        }
     }
 
     /// What has been done since the last lap does not count.
@@ -298,11 +348,14 @@ impl Stopwatch {
     }
 }
 
-fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeError> {
+pub(crate) fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeError> {
     if let Interior::Thickness(m) | Interior::Static(m) = options.interior
         && !(m >= 0.0 && m.is_finite())
     {
         return Err(BakeError::Interior(options.interior.name()));
+    }
+    if options.method != Method::Columns && matches!(options.interior, Interior::Thickness(_) | Interior::Static(_)) {
+        return Err(BakeError::MethodInterior { method: options.method.name(), policy: options.interior.name() });
     }
     let is_direction = |d: glam::DVec3| d.is_finite() && d != glam::DVec3::ZERO;
     let has_direction = |l: &Light| l.kind == antumbra_scene::LightKind::Point || is_direction(l.direction_world);
@@ -333,7 +386,6 @@ fn casters_warnings(casters: &Casters<'_>, options: &BakeOptions) -> Vec<String>
 }
 
 fn finish(
-    scene: &Scene,
     casters: &Casters<'_>,
     tables: Tables,
     built: Vec<BuiltLight>,
@@ -350,15 +402,17 @@ fn finish(
     if options.levels {
         progress.stage("making coarse levels");
         let lights = built.iter().map(|light| (&light.roots[..], light.record.log2_resolution));
-        roots.extend(coarse_levels(&tables, lights, limit).map_err(|e| match e {
+        roots.extend(coarse_levels(&tables, lights, limit, &|| progress.pause()).map_err(|e| match e {
             LevelsError::MemoryLimit => BakeError::Memory { limit, stage: "making coarse levels" },
             LevelsError::TooManyNodes => BakeError::TooManyNodes,
+            LevelsError::Cancelled => BakeError::Cancelled,
         })?);
     }
     progress.stage("encoding");
-    let encoded: Encoded = encode(tables, &roots, limit).map_err(|e| match e {
+    let encoded: Encoded = encode(tables, &roots, limit, &|| progress.pause()).map_err(|e| match e {
         EncodeError::MemoryLimit => BakeError::Memory { limit, stage: "encoding" },
         EncodeError::TooManyWords => BakeError::TooManyNodes,
+        EncodeError::Cancelled => BakeError::Cancelled,
     })?;
     let (policy, parameter) = options.interior.to_record();
     let mut names = String::new();
@@ -380,12 +434,12 @@ fn finish(
         enters.extend_from_slice(&light.enters);
         reports.push(light.report(&encoded.added[of_light]));
     }
-    let stats = stats(scene, casters);
+    let stats = stats(casters);
     let levels_bytes = encoded.added[light_roots..].iter().map(|(_, words)| 4 * words).sum();
     let mut contents = Contents::new(&records, &names, &encoded.pool, stats);
     contents.levels = options.levels.then_some(&encoded.roots[light_roots..]);
     contents.enters = options.enter_depths.then_some(&enters[..]);
-    let bytes = write(&contents);
+    let bytes = write_paced(&contents, &mut || _ = progress.pause());
     Ok(Baked {
         bytes,
         lights: reports,
@@ -397,7 +451,8 @@ fn finish(
     })
 }
 
-fn stats(scene: &Scene, casters: &Casters<'_>) -> BakeStats {
+fn stats(casters: &Casters<'_>) -> BakeStats {
+    let scene = casters.scene();
     let counts = casters.counts;
     BakeStats {
         triangles_total: scene.triangle_count(),

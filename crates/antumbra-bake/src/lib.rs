@@ -16,13 +16,18 @@
 
 pub mod ablation;
 mod bake;
+mod baseline;
 pub mod casters;
 pub mod columns;
 pub mod dag;
 pub mod light_space;
 mod lights;
 pub mod oracle;
+mod pause;
 pub mod place;
+mod stepped;
 
 pub use bake::{BakeError, BakeOptions, Baked, LightReport, Method, Progress, ResolutionRequest, Silent, Stage, bake};
 pub use casters::{Blend, Inverted};
+pub use pause::{Pause, never_pause};
+pub use stepped::{Step, SteppedBaker};

@@ -8,13 +8,13 @@ use antumbra::{LightKind, LightRecord};
 use antumbra_scene::Light;
 use rayon::prelude::*;
 
-use crate::bake::{BakeError, BakeOptions, LightReport, Progress, Stage, Stopwatch};
+use crate::bake::{BakeError, BakeOptions, LightReport, Method, Progress, Stage, Stopwatch};
+use crate::baseline;
 use crate::casters::Casters;
-use crate::casters::occluder::FirstHits;
 use crate::columns::{Build, BuildError, BuildTriangle, Cutout, EnterGrid, Freedom, build};
 use crate::dag::{Id, LIT, Tables};
 use crate::light_space::Slices;
-use crate::place::{FaceCasters, LightSpace, SpaceRequest, for_each_placed};
+use crate::place::{FaceCasters, LightSpace, SpaceRequest, for_each_placed, place_all};
 
 /// What all lights of a bake share.
 #[derive(Clone, Copy)]
@@ -93,11 +93,14 @@ impl Lights<'_> {
         self.progress.stage(&format!("placing casters for {}", light.name));
         let all = triangle_bytes(self.casters.len() as u64);
         self.limit().checked_sub(all).ok_or(self.out_of_memory("placing the casters"))?;
+        let mut clock = Stopwatch::start();
+        let space = self.space(light)?;
+        let slices = space.slices();
+        let (casters, first_hits) = place_all(self.casters, &space, &slices, &|| self.progress.pause());
+        clock.lap("placing casters");
+        self.progress.stage(&format!("building {}", light.name));
         let progress = |share| self.progress.advance(share);
-        let mut first_hits = FirstHits::default();
-        let stage = |_: &FaceCasters<'_>| self.progress.stage(&format!("building {}", light.name));
-        let mut built =
-            self.build_light(light, running, &mut |t, node| first_hits.insert(t, node), &stage, &progress)?;
+        let mut built = self.build_faces(light, &space, &slices, &[casters], running, clock, &progress)?;
         built.warnings.extend(first_hits.warning(self.casters.scene()));
         if built.roots == [LIT] {
             built.warnings.push(format!(
@@ -109,50 +112,62 @@ impl Lights<'_> {
     }
 
     fn build_local(self, light: &Light, running: &Running) -> Result<BuiltLight, BakeError> {
-        self.build_light(light, running, &mut |_, _| {}, &|_| {}, &|_| {})
-    }
-
-    fn build_light(
-        self,
-        light: &Light,
-        running: &Running,
-        placed: &mut dyn FnMut(&crate::light_space::LatticeTriangle, usize),
-        stage: &dyn Fn(&FaceCasters<'_>),
-        progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<BuiltLight, BakeError> {
         let mut clock = Stopwatch::start();
-        let options = self.options;
-        let request =
-            SpaceRequest { resolution: options.resolution, near_m: options.near_m, distribution: options.local_depth };
-        let space = LightSpace::new(self.casters, light, request)?;
+        let space = self.space(light)?;
         let slices = space.slices();
         let opened = space.opened_parts(self.casters);
         let mut faces = vec![FaceCasters::default(); space.faces()];
         for_each_placed(self.casters, &space, &opened, |face, triangle, caster| {
-            placed(triangle, caster.node);
             faces[face].insert(triangle, caster, &space, &slices, face);
         });
-        faces.iter().for_each(stage);
         clock.lap("placing casters");
-        let held = self.held_bytes(&faces, &slices);
+        self.build_faces(light, &space, &slices, &faces, running, clock, &|_| {})
+    }
+
+    fn space(self, light: &Light) -> Result<LightSpace, BakeError> {
+        let Self { casters, options, .. } = self;
+        let request =
+            SpaceRequest { resolution: options.resolution, near_m: options.near_m, distribution: options.local_depth };
+        LightSpace::new(casters, light, request, &|| self.progress.pause())
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "what a light is made of, once")]
+    fn build_faces(
+        self,
+        light: &Light,
+        space: &LightSpace,
+        slices: &Slices,
+        faces: &[FaceCasters<'_>],
+        running: &Running,
+        mut clock: Stopwatch,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<BuiltLight, BakeError> {
+        let held = self.held_bytes(faces, slices);
         running.bytes.fetch_add(held, Ordering::Relaxed);
-        let freedom = space.freedom(options.interior);
+        let freedom = space.freedom(self.options.interior);
         let mut enters = Vec::new();
-        let roots = faces
+        let built = faces
             .iter()
-            .map(|face| self.build_face(face, &slices, &freedom, running, &mut enters, progress))
-            .collect::<Result<Vec<Id>, BakeError>>();
+            .map(|face| self.build_face(face, slices, &freedom, running, &mut enters, progress))
+            .collect::<Result<Vec<(Id, Vec<Stage>)>, BakeError>>();
         running.bytes.fetch_sub(held, Ordering::Relaxed);
-        clock.lap("building columns");
+        let mut roots = Vec::with_capacity(faces.len());
+        for (root, stages) in built? {
+            roots.push(root);
+            stages.into_iter().for_each(|stage| clock.add(stage));
+        }
+        if self.options.method == Method::Columns {
+            clock.lap("building columns");
+        }
         let mut section = Vec::new();
-        if options.enter_depths {
+        if self.options.enter_depths {
             let log2 = space.resolution().log2();
             enter::push(&mut section, enter::log2_cells(log2), enter::shift(log2), &enters);
         }
         Ok(BuiltLight {
             name: light.name.clone(),
             record: space.record(),
-            roots: roots?,
+            roots,
             enters: section,
             stages: clock.stages,
             warnings: Vec::new(),
@@ -167,10 +182,10 @@ impl Lights<'_> {
         running: &Running,
         enters: &mut Vec<Vec<enter::Cell>>,
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<Id, BakeError> {
+    ) -> Result<(Id, Vec<Stage>), BakeError> {
         let memory_limit = self.limit().saturating_sub(running.bytes.load(Ordering::Relaxed));
         let grid = self.options.enter_depths.then(|| EnterGrid::new(slices.resolution()));
-        let root = build(&Build {
+        let face = Build {
             triangles: &face.triangles,
             cutouts: &face.cutouts,
             slices,
@@ -179,11 +194,17 @@ impl Lights<'_> {
             tables: self.tables,
             memory_limit,
             progress,
-        });
+            pause: &|| self.progress.pause(),
+        };
+        let built = match self.options.method {
+            Method::Columns => build(&face).map(|root| (root, Vec::new())),
+            method => baseline::build(baseline::Request::new(&face, method, self.options.cull_identical)),
+        };
         enters.extend(grid.map(|grid| grid.cells()));
-        root.map_err(|e| match e {
+        built.map_err(|e| match e {
             BuildError::MemoryLimit => self.out_of_memory("building"),
             BuildError::TooManyNodes => BakeError::TooManyNodes,
+            BuildError::Cancelled => BakeError::Cancelled,
         })
     }
 

@@ -1,11 +1,14 @@
 //! Joins casters and light space: lays a light's grid and puts the casters on its lattice.
 
 use antumbra::{DepthDistribution, Interior, LightRecord};
-use antumbra_scene::{Bounds, Light, LightKind};
+use antumbra_scene::{Light, LightKind};
 use glam::DVec3;
+use rayon::prelude::*;
 
+use crate::Pause;
 use crate::bake::{BakeError, ResolutionRequest};
-use crate::casters::{CasterTriangle, Casters, OpenedParts};
+use crate::casters::occluder::FirstHits;
+use crate::casters::{CasterTriangle, Casters, OpenedParts, Piece};
 use crate::columns::{BuildTriangle, Cutout, CutoutCorners, Freedom};
 use crate::light_space::{DirectionalSpace, LATERAL_BITS, LatticeTriangle, LocalLight, LocalSpace, Resolution, Slices};
 
@@ -42,10 +45,15 @@ impl LightSpace {
     /// # Errors
     /// [`BakeError::TexelSize`] if no resolution has such small texels, [`BakeError::Misplaced`] if a corner is not finite,
     /// [`BakeError::LightPlace`] and [`BakeError::Near`] if a local light's numbers make no sense.
-    pub fn new(casters: &Casters<'_>, light: &Light, request: SpaceRequest) -> Result<Self, BakeError> {
+    pub fn new(
+        casters: &Casters<'_>,
+        light: &Light,
+        request: SpaceRequest,
+        pause: Pause<'_>,
+    ) -> Result<Self, BakeError> {
         match light.kind {
             LightKind::Directional => {
-                fit_directional(casters, light.direction_world, request.resolution).map(Self::Directional)
+                fit_directional(casters, light.direction_world, request.resolution, pause).map(Self::Directional)
             }
             LightKind::Spot { .. } | LightKind::Point => lay_local(casters, light, request).map(Self::Local),
         }
@@ -109,14 +117,6 @@ impl LightSpace {
         }
     }
 
-    /// Whether casters of a node with this world box can matter.
-    fn reaches(&self, bounds: &Bounds) -> bool {
-        let Self::Local(space) = self else { return true };
-        let position = space.position_world();
-        let reach = DVec3::splat(space.half_box_m() * 3f64.sqrt());
-        bounds.min.cmple(position + reach).all() && (position - reach).cmple(bounds.max).all()
-    }
-
     /// A caster's alpha test on a face, if it has one.
     #[must_use]
     pub fn cutout<'a>(&self, caster: &CasterTriangle<'a>, face: usize) -> Option<Cutout<'a>> {
@@ -144,26 +144,42 @@ fn fit_directional(
     casters: &Casters<'_>,
     direction_world: DVec3,
     request: ResolutionRequest,
+    pause: Pause<'_>,
 ) -> Result<DirectionalSpace, BakeError> {
     let axes = DirectionalSpace::axes(direction_world);
-    let mut origin = None;
-    let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    let mut misplaced = None;
-    casters.for_each(|t| {
-        if is_misplaced(&t) {
-            misplaced.get_or_insert(t.node);
-            return;
-        }
-        let origin = *origin.get_or_insert(t.corners[0]);
-        let [min, max] = DirectionalSpace::extent(&axes, origin, t.corners.into_iter());
-        extent = [extent[0].min(min), extent[1].max(max)];
-    });
+    let pieces = casters.pieces();
+    let first_of = |piece: &Piece<'_, '_>| {
+        let mut first = None;
+        piece.for_each(pause, |t| _ = first.get_or_insert(t.corners[0]));
+        first
+    };
+    let origin = pieces.iter().find_map(first_of).unwrap_or_default();
+    let extents = pieces.par_iter().map(|piece| extent_of(piece, &axes, origin, pause));
+    let (extent, misplaced) = extents.reduce(
+        || ([DVec3::INFINITY, DVec3::NEG_INFINITY], None),
+        |(a, node), (b, later)| ([a[0].min(b[0]), a[1].max(b[1])], node.or(later)),
+    );
     if let Some(node) = misplaced {
         return Err(BakeError::Misplaced(casters.scene().nodes[node].name.clone()));
     }
     let side_m = DirectionalSpace::side_m(extent);
     let resolution = choose(request, Resolution::DEFAULT_DIRECTIONAL, side_m, |r| side_m / f64::from(r.texels()))?;
-    Ok(DirectionalSpace::fit(axes, origin.unwrap_or_default(), extent, resolution))
+    Ok(DirectionalSpace::fit(axes, origin, extent, resolution))
+}
+
+/// Extent of a piece in light space, and the node of its first misplaced triangle.
+fn extent_of(piece: &Piece<'_, '_>, axes: &[DVec3; 3], origin: DVec3, pause: Pause<'_>) -> ([DVec3; 2], Option<usize>) {
+    let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let mut misplaced = None;
+    piece.for_each(pause, |t| {
+        if is_misplaced(&t) {
+            misplaced.get_or_insert(t.node);
+            return;
+        }
+        let [min, max] = DirectionalSpace::extent(axes, origin, t.corners.into_iter());
+        extent = [extent[0].min(min), extent[1].max(max)];
+    });
+    (extent, misplaced)
 }
 
 fn is_misplaced(triangle: &CasterTriangle<'_>) -> bool {
@@ -219,30 +235,68 @@ pub fn for_each_placed<'s>(
     opened: &OpenedParts,
     mut each: impl FnMut(usize, &LatticeTriangle, &CasterTriangle<'s>),
 ) {
-    casters.for_each_in(
-        |bounds| space.reaches(bounds),
-        |caster| {
-            let solid = caster.solid && !caster.part.is_some_and(|part| opened.contains(part));
-            let mut place = |face: usize, corners: [([i32; 2], u32); 3]| {
-                let triangle = LatticeTriangle {
-                    x: corners.map(|c| c.0[0]),
-                    y: corners.map(|c| c.0[1]),
-                    z: corners.map(|c| c.1),
-                    solid,
-                };
-                each(face, &triangle, &caster);
-            };
-            match space {
-                LightSpace::Directional(space) => place(0, caster.corners.map(|c| space.snap(c))),
-                LightSpace::Local(_) if is_misplaced(&caster) => {}
-                LightSpace::Local(local) => {
-                    for face in 0..local.faces() {
-                        local.place(caster.corners, face, |corners| place(face, corners));
-                    }
-                }
+    match space {
+        LightSpace::Directional(_) => casters.for_each(|caster| place(&caster, space, opened, &mut each)),
+        LightSpace::Local(local) => {
+            casters.for_each_near(&local.bounds(), |caster| place(&caster, space, opened, &mut each));
+        }
+    }
+}
+
+/// The same for one caster.
+fn place<'s>(
+    caster: &CasterTriangle<'s>,
+    space: &LightSpace,
+    opened: &OpenedParts,
+    each: &mut impl FnMut(usize, &LatticeTriangle, &CasterTriangle<'s>),
+) {
+    let solid = caster.solid && !caster.part.is_some_and(|part| opened.contains(part));
+    let mut place = |face: usize, corners: [([i32; 2], u32); 3]| {
+        let triangle =
+            LatticeTriangle { x: corners.map(|c| c.0[0]), y: corners.map(|c| c.0[1]), z: corners.map(|c| c.1), solid };
+        each(face, &triangle, caster);
+    };
+    match space {
+        LightSpace::Directional(space) => place(0, caster.corners.map(|c| space.snap(c))),
+        LightSpace::Local(_) if is_misplaced(caster) => {}
+        LightSpace::Local(local) => {
+            for face in 0..local.faces() {
+                local.place(caster.corners, face, |corners| place(face, corners));
             }
-        },
-    );
+        }
+    }
+}
+
+/// The casters of a directional light, placed by all threads.
+pub(crate) fn place_all<'s>(
+    casters: &Casters<'s>,
+    space: &LightSpace,
+    slices: &Slices,
+    pause: Pause<'_>,
+) -> (FaceCasters<'s>, FirstHits) {
+    let opened = OpenedParts::default();
+    let placed = |piece: &Piece<'_, 's>| {
+        let (mut placed, mut first_hits) = (FaceCasters::default(), FirstHits::default());
+        piece.for_each(pause, |caster| {
+            place(&caster, space, &opened, &mut |face, triangle, caster: &CasterTriangle<'s>| {
+                first_hits.insert(triangle, caster.node);
+                placed.insert(triangle, caster, space, slices, face);
+            });
+        });
+        (placed, first_hits)
+    };
+    let (mut all, mut first_hits) = (FaceCasters::default(), FirstHits::default());
+    all.triangles.reserve_exact(casters.len());
+    // Not all at once: pieces and their sum would take twice the memory.
+    for pieces in casters.pieces().chunks(2 * rayon::current_num_threads()) {
+        let placed: Vec<(FaceCasters<'s>, FirstHits)> = pieces.par_iter().map(placed).collect();
+        for (piece, hits) in placed {
+            all.append(piece);
+            first_hits.append(&hits);
+            pause();
+        }
+    }
+    (all, first_hits)
 }
 
 /// What a face's construction starts from.
@@ -268,5 +322,13 @@ impl<'a> FaceCasters<'a> {
         let Some(cutout) = space.cutout(caster, face) else { return self.triangles.push(built) };
         self.triangles.push(built.with_cutout(self.cutouts.len() as u32));
         self.cutouts.push(cutout);
+    }
+
+    /// Adds casters that come later in the scene.
+    fn append(&mut self, later: Self) {
+        let before = self.cutouts.len() as u32;
+        let moved = |t: BuildTriangle| t.cutout().map_or(t, |cutout| t.with_cutout(before + cutout as u32));
+        self.triangles.extend(later.triangles.into_iter().map(moved));
+        self.cutouts.extend(later.cutouts);
     }
 }

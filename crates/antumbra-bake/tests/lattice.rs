@@ -26,9 +26,10 @@ fn bake_on_lattice(triangles: &[LatticeTriangle], resolution: Resolution) -> Sha
         tables: &tables,
         memory_limit: u64::MAX,
         progress: &|_| {},
+        pause: &antumbra_bake::never_pause,
     };
     let root = build(&all).unwrap();
-    let encoded = encode(tables, &[(root, resolution.log2())], u64::MAX).unwrap();
+    let encoded = encode(tables, &[(root, resolution.log2())], u64::MAX, &antumbra_bake::never_pause).unwrap();
     let mut record: LightRecord = bytemuck::Zeroable::zeroed();
     record.log2_resolution = resolution.log2();
     (record.texel_size_m, record.slice_size_m, record.faces) = (1.0, 1.0, 1);

@@ -3,11 +3,12 @@
 //! *points* is many at a time, the other columns one after the other. Points lie near surfaces, where lookups descend deepest. *Random* takes them in shuffled order, *coherent* in a
 //! picture's scan order. Each figure is the best of several passes, so that other work on the machine weighs less.
 //!
-//! `--segments` measures segments from the camera to those points instead, beside marching.
-
-mod segments;
+//! `--segments` measures segments from the camera to those points instead, beside marching; `--step-ms` measures rebuilds
+//! that are spread over frames.
 
 mod prefilter;
+mod segments;
+mod stepped;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -39,6 +40,9 @@ struct Args {
     /// Measure this many segment lookups instead.
     #[arg(long, value_name = "COUNT")]
     segments: Option<usize>,
+    /// Measure a rebuild in steps of so many milliseconds instead.
+    #[arg(long, value_name = "BUDGET")]
+    step_ms: Option<f64>,
 }
 
 fn main() -> Result<()> {
@@ -50,6 +54,10 @@ fn main() -> Result<()> {
         );
         println!("{}", prefilter::HEADER);
         return args.scenes.iter().try_for_each(|name| prefilter::measure(name, &args));
+    }
+    if let Some(budget_ms) = args.step_ms {
+        println!("{}", stepped::HEADER);
+        return args.scenes.iter().try_for_each(|name| stepped::measure(name, args.resolution, budget_ms));
     }
     if args.segments.is_some() {
         segments::print_head(args.resolution);

@@ -3,6 +3,7 @@
 use antumbra::format::dag8::{LIT, NodeCounts, POOL_HEADER_WORDS, SHADOWED, SLICE_LEVEL, child_code, child_slot};
 
 use crate::dag::{EncodeError, Id, Tables, encode};
+use crate::never_pause;
 
 /// An octree over 2^log2 voxels per side, encoded as [`antumbra::format::dag8`] has it.
 pub struct Graph {
@@ -18,7 +19,7 @@ impl Graph {
     /// # Errors
     /// [`EncodeError::TooManyWords`].
     pub fn new(tables: Tables, root: Id, log2: u32) -> Result<Self, EncodeError> {
-        let encoded = encode(tables, &[(root, log2)], u64::MAX)?;
+        let encoded = encode(tables, &[(root, log2)], u64::MAX, &never_pause)?;
         Ok(Self { pool: encoded.pool, root: encoded.roots[0], log2, nodes: encoded.added[0].0 })
     }
 

@@ -13,6 +13,7 @@ use crate::casters::{Blend, CasterOptions, Casters, Inverted};
 use crate::columns::Cutout;
 use crate::dag::{LIT, SHADOWED};
 use crate::light_space::{LatticeTriangle, Resolution};
+use crate::never_pause;
 use crate::oracle::{Free, Oracle, View};
 use crate::place::{LightSpace, SpaceRequest, for_each_placed};
 
@@ -46,7 +47,7 @@ impl Intervals {
             near_m: None,
             distribution: DepthDistribution::Logarithmic,
         };
-        let space = LightSpace::new(&casters, light, request)?;
+        let space = LightSpace::new(&casters, light, request, &never_pause)?;
         let mut faces = vec![Face::default(); space.faces()];
         for_each_placed(&casters, &space, &space.opened_parts(&casters), |face, triangle, caster| {
             faces[face].triangles.push(*triangle);

@@ -33,7 +33,7 @@ impl Volume for Sintorn2014<'_> {
 }
 
 /// The mask of a leaf of which some voxels must be lit and some may be.
-pub(super) fn resolve_2014([must, may]: [u64; 2]) -> u64 {
+pub(crate) fn resolve_2014([must, may]: [u64; 2]) -> u64 {
     if must != 0 && may == u64::MAX { u64::MAX } else { must }
 }
 

@@ -1,10 +1,10 @@
 //! Finds closed parts: sets of triangles whose edges cancel.
 
-use antumbra_scene::Scene;
+use antumbra_scene::{AlphaMode, Scene};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::{Blend, casting_triangles};
+use super::{Blend, alpha_mode, casting_primitives, casting_triangles};
 
 /// Closed parts, numbered from 0 in a fixed order.
 pub(crate) struct Parts {
@@ -155,16 +155,24 @@ fn collect_components(triangles: &[Welded], sets: &mut DisjointSets, balanced: &
 /// Welds a node's triangles by the exact position in the mesh.
 fn weld_node(scene: &Scene, caster_node: u32, node: usize, blend: Blend) -> Vec<Welded> {
     let mut welder: FxHashMap<[u32; 3], u32> = FxHashMap::default();
-    let triangles = casting_triangles(scene, node, blend).enumerate().filter(|(_, t)| !t.alpha_masked);
-    let welded = triangles.map(|(index, t)| Welded {
-        place: (caster_node, index as u32),
-        corners: t.corners().map(|p| {
+    let mut welded = Vec::new();
+    let mut index = 0;
+    for (_, primitive) in casting_primitives(scene, node, blend) {
+        let weld = |p: &[f32; 3]| {
             let next = welder.len() as u32;
             // Adding zero turns -0 into 0.
             *welder.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(next)
-        }),
-    });
-    welded.collect()
+        };
+        let is_masked = alpha_mode(scene, primitive) == AlphaMode::Mask;
+        let vertices: Vec<u32> = if is_masked { Vec::new() } else { primitive.positions.iter().map(weld).collect() };
+        for triangle in primitive.triangles.iter().chain(&primitive.seams) {
+            if !is_masked {
+                welded.push(Welded { place: (caster_node, index), corners: triangle.map(|i| vertices[i as usize]) });
+            }
+            index += 1;
+        }
+    }
+    welded
 }
 
 /// Welds triangles of many nodes by the exact position in the world. `places` are in the casting nodes' order.

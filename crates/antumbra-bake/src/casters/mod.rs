@@ -10,13 +10,19 @@
 //! Closed-object compression: Sintorn et al. 2014, section 4.2; Kämpe et al. 2015, section 3.3. Judging by cycles
 //! instead of by watertight two-manifolds is ours: houses that share a wall stay closed.
 
+mod chunks;
 mod closed;
 mod lone;
 pub mod occluder;
 mod starts;
 
-use antumbra_scene::{AlphaMode, AlphaTest, Bounds, Node, Primitive, Scene};
+use std::ops::Range;
+
+use antumbra_scene::{AlphaMode, AlphaTest, Bounds, Primitive, Scene};
+use chunks::{Chunk, Chunks};
 use glam::DVec3;
+
+use crate::Pause;
 
 pub use starts::OpenedParts;
 
@@ -92,13 +98,11 @@ pub struct CasterCounts {
 /// The scene's casters: each casting node's triangles in order, with what was judged of them.
 pub struct Casters<'a> {
     scene: &'a Scene,
-    blend: Blend,
     /// Casting nodes: indices into the scene's nodes.
     nodes: Vec<usize>,
     /// For each casting node, a verdict per triangle that [`casting_triangles`] gives.
     verdicts: Vec<Vec<Verdict>>,
-    /// World box of each casting node.
-    node_bounds: Vec<Bounds>,
+    chunks: Chunks,
     parts: closed::Parts,
     /// World box of each closed part.
     part_bounds: Vec<Bounds>,
@@ -119,6 +123,28 @@ pub struct CasterTriangle<'a> {
     pub part: Option<u32>,
     /// Its alpha mask, if it has one to be tested.
     pub masked: Option<MaskedTriangle<'a>>,
+}
+
+/// Casters that follow one another.
+#[derive(Clone)]
+pub struct Piece<'c, 'a> {
+    casters: &'c Casters<'a>,
+    chunks: Range<usize>,
+}
+
+/// Chunks in a piece.
+const PIECE_CHUNKS: usize = 256;
+/// Chunks between two rests.
+const PAUSE_CHUNKS: usize = 16;
+
+impl<'a> Piece<'_, 'a> {
+    /// Calls `each` with the piece's casting triangles, in the scene's order, and rests now and then.
+    pub fn for_each(&self, pause: Pause<'_>, mut each: impl FnMut(CasterTriangle<'a>)) {
+        for chunks in self.casters.chunks.range(self.chunks.clone()).chunks(PAUSE_CHUNKS) {
+            self.casters.for_each_of(chunks, &mut each);
+            pause();
+        }
+    }
 }
 
 /// What a masked triangle's alpha test needs.
@@ -167,29 +193,43 @@ impl<'a> Casters<'a> {
             verdicts.push(judged.collect());
         }
         counts.left_out = scene.triangle_count() - counts.open - counts.closed;
-        let node_bounds = nodes.iter().map(|&n| node_bounds(&scene.nodes[n], scene)).collect();
-        Ok(Self { scene, blend, nodes, verdicts, node_bounds, parts, part_bounds, counts })
+        let chunks = Chunks::new(scene, &nodes, blend);
+        Ok(Self { scene, nodes, verdicts, chunks, parts, part_bounds, counts })
     }
 
     /// Calls `each` with every casting triangle, in the scene's order. Seams take part only where they bound solids.
     pub fn for_each(&self, each: impl FnMut(CasterTriangle<'a>)) {
-        self.for_each_in(|_| true, each);
+        self.for_each_of(self.chunks.range(0..self.chunks.len()), each);
     }
 
-    /// The same for nodes whose world box `wants` only.
-    pub fn for_each_in(&self, wants: impl Fn(&Bounds) -> bool, mut each: impl FnMut(CasterTriangle<'a>)) {
-        for (caster_node, (&index, verdicts)) in self.nodes.iter().zip(&self.verdicts).enumerate() {
-            if !wants(&self.node_bounds[caster_node]) {
-                continue;
-            }
+    /// The same for those near a world box: all that touch it, at least. The first call makes a tree of boxes.
+    pub fn for_each_near(&self, bounds: &Bounds, each: impl FnMut(CasterTriangle<'a>)) {
+        self.for_each_of(&self.chunks.within(bounds), each);
+    }
+
+    /// The casters in pieces, for threads to share; in the scene's order.
+    #[must_use]
+    pub fn pieces(&self) -> Vec<Piece<'_, 'a>> {
+        let piece =
+            |first: usize| Piece { casters: self, chunks: first..(first + PIECE_CHUNKS).min(self.chunks.len()) };
+        (0..self.chunks.len()).step_by(PIECE_CHUNKS).map(piece).collect()
+    }
+
+    fn for_each_of(&self, chunks: &[Chunk], mut each: impl FnMut(CasterTriangle<'a>)) {
+        for chunk in chunks {
+            let caster_node = chunk.caster_node as usize;
+            let index = self.nodes[caster_node];
             let node = &self.scene.nodes[index];
             let mirrors = node.mirrors();
-            let triangles = casting_triangles(self.scene, index, self.blend).zip(verdicts).enumerate();
-            for (i, (triangle, &verdict)) in triangles {
+            let primitive = &self.scene.meshes[node.mesh].primitives[chunk.primitive as usize];
+            let alpha_masked = alpha_mode(self.scene, primitive) == AlphaMode::Mask;
+            for (place, &indices) in (chunk.place as usize..).zip(chunk.triangles(primitive)) {
+                let verdict = self.verdicts[caster_node][place];
                 let solid = verdict != Verdict::Open;
-                if triangle.seam && !solid {
+                if chunk.seams && !solid {
                     continue;
                 }
+                let triangle = MeshTriangle { primitive, indices, seam: chunk.seams, alpha_masked };
                 let swapped = mirrors != (verdict == Verdict::TurnedSolid);
                 let order = if swapped { [0, 2, 1] } else { [0, 1, 2] };
                 let corners = triangle.corners().map(|p| node.world_point(p));
@@ -197,7 +237,7 @@ impl<'a> Casters<'a> {
                     corners: order.map(|i| corners[i]),
                     node: index,
                     solid,
-                    part: if solid { self.parts.of(caster_node, i) } else { None },
+                    part: if solid { self.parts.of(caster_node, place) } else { None },
                     masked: triangle.masked(self.scene, order),
                 });
             }
@@ -220,7 +260,7 @@ impl<'a> Casters<'a> {
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         let mut all = Bounds::EMPTY;
-        for bounds in self.node_bounds.iter().filter(|b| !b.is_empty()) {
+        for bounds in self.chunks.bounds().iter().filter(|b| !b.is_empty()) {
             all.insert(bounds.min);
             all.insert(bounds.max);
         }
@@ -272,30 +312,27 @@ impl<'a> MeshTriangle<'a> {
     }
 }
 
-fn node_bounds(node: &Node, scene: &Scene) -> Bounds {
-    let mut bounds = Bounds::EMPTY;
-    for primitive in &scene.meshes[node.mesh].primitives {
-        for &i in primitive.triangles.iter().chain(&primitive.seams).flatten() {
-            bounds.insert(node.world_point(primitive.positions[i as usize]));
-        }
-    }
-    bounds
+fn alpha_mode(scene: &Scene, primitive: &Primitive) -> AlphaMode {
+    primitive.material.map_or(AlphaMode::Opaque, |m| scene.materials[m].alpha_mode)
+}
+
+/// A node's primitives that cast, with their indices.
+pub(crate) fn casting_primitives(
+    scene: &Scene,
+    node: usize,
+    blend: Blend,
+) -> impl Iterator<Item = (usize, &Primitive)> {
+    let primitives = scene.meshes[scene.nodes[node].mesh].primitives.iter().enumerate();
+    primitives.filter(move |(_, p)| alpha_mode(scene, p) != AlphaMode::Blend || blend == Blend::Opaque)
 }
 
 /// A node's triangles that cast, in the mesh's order: each primitive's triangles, then its seams.
 pub(crate) fn casting_triangles(scene: &Scene, node: usize, blend: Blend) -> impl Iterator<Item = MeshTriangle<'_>> {
-    let node: &Node = &scene.nodes[node];
-    scene.meshes[node.mesh].primitives.iter().flat_map(move |primitive| {
-        let mode = primitive.material.map_or(AlphaMode::Opaque, |m| scene.materials[m].alpha_mode);
-        let casts = mode != AlphaMode::Blend || blend == Blend::Opaque;
-        let alpha_masked = mode == AlphaMode::Mask;
+    casting_primitives(scene, node, blend).flat_map(move |(_, primitive)| {
+        let alpha_masked = alpha_mode(scene, primitive) == AlphaMode::Mask;
         let whole = primitive.triangles.iter().map(|t| (t, false));
         let seams = primitive.seams.iter().map(|t| (t, true));
-        whole.chain(seams).filter(move |_| casts).map(move |(&indices, seam)| MeshTriangle {
-            primitive,
-            indices,
-            seam,
-            alpha_masked,
-        })
+        let both = whole.chain(seams);
+        both.map(move |(&indices, seam)| MeshTriangle { primitive, indices, seam, alpha_masked })
     })
 }

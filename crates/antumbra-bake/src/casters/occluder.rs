@@ -42,6 +42,19 @@ impl FirstHits {
         }
     }
 
+    /// Adds what others have met that come later in the scene.
+    pub fn append(&mut self, later: &Self) {
+        for (sample, later) in self.samples.iter_mut().zip(&later.samples) {
+            *sample = match (*sample, *later) {
+                (one, None) | (None, one) => one,
+                (Some(a), Some(b)) => Some(Sample {
+                    nearest: if b.nearest.0 < a.nearest.0 { b.nearest } else { a.nearest },
+                    other: a.other || b.other || a.nearest.1 != b.nearest.1,
+                }),
+            };
+        }
+    }
+
     fn meet(&mut self, sample: usize, depth: f64, node: usize) {
         let sample = &mut self.samples[sample];
         *sample = Some(match *sample {

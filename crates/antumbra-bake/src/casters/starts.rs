@@ -45,7 +45,7 @@ impl Casters<'_> {
             return opened;
         }
         let mut windings: Vec<(u32, i32)> = Vec::new();
-        self.for_each_in(is_near, |triangle| {
+        self.for_each_near(&near, |triangle| {
             let Some(part) = triangle.part.filter(|part| candidates.contains(part)) else { return };
             let corners = triangle.corners.map(|c| c - position_world);
             let in_light = corners.map(|c| axes.map(|axis| axis.dot(c)));

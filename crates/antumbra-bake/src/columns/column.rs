@@ -4,7 +4,7 @@
 //! boundary between two runs may lie anywhere in an interval, in blocks: it is committed to a depth only where no
 //! boundary of the parent's greater blocks remains inside.
 
-use crate::dag::{Id, LIT, SHADOWED, Tables};
+use crate::dag::{Id, Interner, LIT, SHADOWED};
 
 /// Equal blocks, up to a boundary with the next run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,14 @@ pub(super) struct Run {
     /// The next run begins at any block from `end_first` to `end_last`. Both are the column's length in the last run.
     pub end_first: u32,
     pub end_last: u32,
+}
+
+impl Run {
+    /// The run with its end moved; wraps.
+    pub fn moved_by(self, blocks: u32) -> Self {
+        let [end_first, end_last] = [self.end_first, self.end_last].map(|end| end.wrapping_add(blocks));
+        Self { end_first, end_last, ..self }
+    }
 }
 
 /// Writes a column's runs, leaving out those that are empty for certain.
@@ -51,7 +59,13 @@ pub(super) fn multiples([first, last]: [u32; 2], log2: u32) -> Option<[u32; 2]> 
 
 /// Appends the column of a tile of 2^`log2` texels per side, all of which turn from lit to shadowed at any one slice
 /// in `[enter, exit]`. The light has 2^`resolution_log2` slices.
-pub(super) fn push_plane(runs: &mut Vec<Run>, tables: &Tables, span: [u32; 2], log2: u32, resolution_log2: u32) {
+pub(super) fn push_plane(
+    runs: &mut Vec<Run>,
+    nodes: &mut Interner<'_>,
+    span: [u32; 2],
+    log2: u32,
+    resolution_log2: u32,
+) {
     let blocks = 1u32 << (resolution_log2 - log2);
     let mut column = ColumnWriter::new(runs);
     if span[1] >> resolution_log2 != 0 {
@@ -63,27 +77,27 @@ pub(super) fn push_plane(runs: &mut Vec<Run>, tables: &Tables, span: [u32; 2], l
         let slice = roundest(span[0], span[1]);
         let block = slice >> log2;
         column.push([block; 2], || LIT);
-        column.push([block + 1; 2], || constant_depth(tables, log2, slice & ((1 << log2) - 1)));
+        column.push([block + 1; 2], || constant_depth(nodes, log2, slice & ((1 << log2) - 1)));
     }
     column.push([blocks; 2], || SHADOWED);
 }
 
 /// A node of 2^`log2` voxels per side that is lit before slice `depth` of its own, 0 < depth < 2^`log2`.
-fn constant_depth(tables: &Tables, log2: u32, depth: u32) -> Id {
+fn constant_depth(nodes: &mut Interner<'_>, log2: u32, depth: u32) -> Id {
     if log2 == 3 {
-        return tables.slice_node(core::array::from_fn(|z| if (z as u32) < depth { LIT } else { SHADOWED }));
+        return nodes.slice_node(core::array::from_fn(|z| if (z as u32) < depth { LIT } else { SHADOWED }));
     }
     let half = 1 << (log2 - 1);
     let (near, far) = match depth {
         d if d == half => (LIT, SHADOWED),
-        d if d < half => (constant_depth(tables, log2 - 1, d), SHADOWED),
-        d => (LIT, constant_depth(tables, log2 - 1, d - half)),
+        d if d < half => (constant_depth(nodes, log2 - 1, d), SHADOWED),
+        d => (LIT, constant_depth(nodes, log2 - 1, d - half)),
     };
-    tables.inner_node([near, near, near, near, far, far, far, far])
+    nodes.inner_node([near, near, near, near, far, far, far, far])
 }
 
 /// Merges four sibling columns into their parent's, appended to `out`. `blocks` is the parent's length.
-pub(super) fn merge(children: [&[Run]; 4], blocks: u32, tables: &Tables, out: &mut Vec<Run>) {
+pub(super) fn merge(children: [&[Run]; 4], blocks: u32, nodes: &mut Interner<'_>, out: &mut Vec<Run>) {
     let mut cursors = children.map(Cursor::new);
     // Pieces that end where the column begins are empty.
     for cursor in &mut cursors {
@@ -92,7 +106,7 @@ pub(super) fn merge(children: [&[Run]; 4], blocks: u32, tables: &Tables, out: &m
     loop {
         // Stab by the closest end: every boundary that can lie there does.
         let end_last = cursors.iter().map(|c| c.piece.end_last).min().unwrap_or(blocks);
-        let node = tables.inner_node(core::array::from_fn(|i| cursors[i & 3].piece.halves[i >> 2]));
+        let node = nodes.inner_node(core::array::from_fn(|i| cursors[i & 3].piece.halves[i >> 2]));
         if end_last >= blocks {
             out.push(Run { node, end_first: blocks, end_last: blocks });
             return;

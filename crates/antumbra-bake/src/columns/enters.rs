@@ -51,6 +51,11 @@ impl EnterGrid {
         }
     }
 
+    /// The same for 8 x 8 texels.
+    pub(crate) fn insert_block(&self, [x, y]: [u32; 2], span: [u32; 2]) {
+        self.insert(Tile { x, y, log2: 3 }, span);
+    }
+
     /// The finished cells in stored units.
     #[must_use]
     pub fn cells(&self) -> Vec<Cell> {

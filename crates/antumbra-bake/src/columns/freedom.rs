@@ -78,6 +78,11 @@ impl Freedom {
         }
     }
 
+    /// The margin before second surfaces, if it is so many slices everywhere.
+    pub(super) fn even_margin(&self) -> Option<u32> {
+        if let Self::Static(Shift::Even(slices)) = self { Some(*slices) } else { None }
+    }
+
     /// Whether rays may be free behind open surfaces.
     #[inline(always)]
     pub(super) fn is_behind_open(&self) -> bool {

@@ -11,18 +11,22 @@
 //! that gaps resolve, and transitions that stay intervals until a block boundary is lost are ours; no depth map is
 //! ever made.
 
+mod block;
 mod build;
 mod column;
 mod cutout;
 mod enters;
+mod faces;
 mod freedom;
+mod lanes;
 mod leaf;
 mod mates;
-mod plane;
+mod rays;
 mod settle;
 mod tile;
 mod triangle;
 
+pub(crate) use block::Block;
 pub use build::{Build, BuildError, build};
 pub use cutout::{Cutout, CutoutCorners};
 pub use enters::EnterGrid;

@@ -1,6 +1,10 @@
 //! Tiles of a quadtree over the shadow map, and which triangles touch them.
 
-use super::triangle::{BuildTriangle, ROUNDING};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::build::{Build, PAUSE_TRIANGLES};
+use super::lanes::mask;
+use super::triangle::BuildTriangle;
 use crate::light_space::{Resolution, Slices};
 
 /// A square of 2^log2 texels per side.
@@ -22,6 +26,15 @@ impl Tile {
     pub fn child(self, i: u32) -> Self {
         let log2 = self.log2 - 1;
         Self { x: self.x + ((i & 1) << log2), y: self.y + ((i >> 1) << log2), log2 }
+    }
+}
+
+impl Tile {
+    /// Corners of the rectangle of its texel centres, on the lattice: x fastest.
+    pub fn corners(self, resolution: Resolution) -> [[f64; 2]; 4] {
+        let [x, y] = [resolution.texel_center(self.x) as f64, resolution.texel_center(self.y) as f64];
+        let side = (((1i64 << self.log2) - 1) * resolution.texel_steps()) as f64;
+        [[x, y], [x + side, y], [x, y + side], [x + side, y + side]]
     }
 }
 
@@ -63,8 +76,42 @@ impl Entry {
     }
 }
 
-/// A tile's four children on the lattice, ready to be held against many triangles.
-pub(super) struct Split<'a> {
+/// Appends to each child's list those of a tile's entries that touch it: the rectangle of its texel centres.
+pub(super) fn split(arch: Arch, build: &Build<'_>, tile: Tile, entries: &[Entry], lists: &mut [Vec<Entry>; 4]) {
+    let split = Split::new(tile, build.slices);
+    for (i, entries) in entries.chunks(PAUSE_TRIANGLES).enumerate() {
+        if i > 0 {
+            (build.pause)();
+        }
+        arch.dispatch(SplitList { split: &split, triangles: build.triangles, entries, lists });
+    }
+}
+
+struct SplitList<'a> {
+    split: &'a Split<'a>,
+    triangles: &'a [BuildTriangle],
+    entries: &'a [Entry],
+    lists: &'a mut [Vec<Entry>; 4],
+}
+
+impl WithSimd for SplitList<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for entry in self.entries {
+            let in_children = self.split.classify(&self.triangles[entry.triangle as usize], *entry);
+            for (list, entry) in self.lists.iter_mut().zip(in_children) {
+                if entry.flags & TOUCHES != 0 {
+                    list.push(Entry { flags: entry.flags & !TOUCHES, ..entry });
+                }
+            }
+        }
+    }
+}
+
+/// A tile's four children on the lattice, ready to be held against many triangles: always all four at once.
+struct Split<'a> {
     /// First texel centre of child 0; the others' lie `step` further along x, y or both.
     first: [i64; 2],
     step: i64,
@@ -75,8 +122,11 @@ pub(super) struct Split<'a> {
     slices: &'a Slices,
 }
 
+/// Touches the child.
+const TOUCHES: u32 = 1 << 31;
+
 impl<'a> Split<'a> {
-    pub fn new(parent: Tile, slices: &'a Slices) -> Self {
+    fn new(parent: Tile, slices: &'a Slices) -> Self {
         let resolution = slices.resolution();
         let texel = resolution.texel_steps();
         let step = texel << (parent.log2 - 1);
@@ -91,66 +141,64 @@ impl<'a> Split<'a> {
         }
     }
 
-    /// Calls `keep` with each child whose rectangle of texel centres the triangle touches, and its entry there.
+    /// The entry in each child, with [`TOUCHES`] where the triangle touches it at all.
     #[inline(always)]
-    pub fn classify(&self, triangle: &BuildTriangle, parent: Entry, mut keep: impl FnMut(usize, Entry)) {
-        let mut coverage = [Some(COVERS | COVERS_FIRST); 4];
-        if !parent.has(COVERS) {
-            coverage = self.coverage(triangle);
+    fn classify(&self, triangle: &BuildTriangle, parent: Entry) -> [Entry; 4] {
+        let coverage = if parent.has(COVERS) {
+            [TOUCHES | COVERS | COVERS_FIRST; 4]
+        } else {
+            let whole = if triangle.is_edge_on() || parent.has(CUTOUT) { TOUCHES } else { !0 };
+            let [a, b, c, d] = self.coverage(triangle);
+            [a & whole, b & whole, c & whole, d & whole]
+        };
+        let spans = self.depths(triangle).of_children(self.slices);
+        let flags = parent.flags & !(COVERS | COVERS_FIRST);
+        let mut children = [parent; 4];
+        for (i, child) in children.iter_mut().enumerate() {
+            child.flags = flags | coverage[i];
+            child.first = spans[i][0].max(parent.first);
+            child.last = spans[i][1].min(parent.last);
         }
-        let depths = self.depths(triangle);
-        for (child, coverage) in coverage.into_iter().enumerate() {
-            if let Some(coverage) = coverage {
-                let (first, last) = depths.of_child(child, self.slices);
-                let flags = (parent.flags & !(COVERS | COVERS_FIRST)) | coverage;
-                let (first, last) = (first.max(parent.first), last.min(parent.last));
-                keep(child, Entry { triangle: parent.triangle, flags, first, last });
-            }
-        }
+        children
     }
 
-    /// Per child [`COVERS`] and [`COVERS_FIRST`] as they are; `None` where the triangle does not touch the rectangle.
+    /// Per child [`TOUCHES`], [`COVERS`] and [`COVERS_FIRST`].
     #[inline(always)]
-    fn coverage(&self, t: &BuildTriangle) -> [Option<u32>; 4] {
-        // Which halves of the parent the triangle's box touches, along an axis: bit 0 the lesser, bit 1 the greater.
-        let halves = |c: [i32; 3], a: usize| {
+    fn coverage(&self, t: &BuildTriangle) -> [u32; 4] {
+        let mut touches = self.boxes(t);
+        let mut covers = [u32::MAX; 4];
+        let mut covers_first = [u32::MAX; 4];
+        for i in 0..3 {
+            let edge = t.edge(i);
+            let at = edge.at(self.first);
+            let [dx, dy] = [edge.normal[0] * self.step, edge.normal[1] * self.step];
+            let [x, y] = [edge.normal[0] * self.side, edge.normal[1] * self.side];
+            let [greatest, least] = [x.max(0) + y.max(0), x.min(0) + y.min(0) - edge.threshold()];
+            let at = [at, at + dx, at + dy, at + dx + dy];
+            for child in 0..4 {
+                touches[child] &= mask(at[child] + greatest >= 0);
+                covers[child] &= mask(at[child] + least >= 0);
+                covers_first[child] &= mask(at[child] - edge.threshold() >= 0);
+            }
+        }
+        for child in 0..4 {
+            let covers = covers[child] & (COVERS | COVERS_FIRST);
+            touches[child] &= TOUCHES | covers | (covers_first[child] & COVERS_FIRST);
+        }
+        touches
+    }
+
+    /// Mask of the children that the triangle's box touches.
+    #[inline(always)]
+    fn boxes(&self, t: &BuildTriangle) -> [u32; 4] {
+        let halves = |c: [i32; 3], axis: usize| {
             let (low, high) = (i64::from(c[0].min(c[1]).min(c[2])), i64::from(c[0].max(c[1]).max(c[2])));
-            let begin = self.first[a];
-            let touches = |from: i64| u32::from(high >= from && low <= from + self.side);
-            touches(begin) | (touches(begin + self.step) << 1)
+            let begin = self.first[axis];
+            let touches = |from: i64| mask(high >= from) & mask(low <= from + self.side);
+            [touches(begin), touches(begin + self.step)]
         };
         let (columns, rows) = (halves(t.x, 0), halves(t.y, 1));
-        let whole = if t.is_edge_on() || t.cutout().is_some() { 0 } else { COVERS | COVERS_FIRST };
-        let mut coverage = [None; 4];
-        if columns == 0 || rows == 0 {
-            return coverage;
-        }
-        let edges = [self.edge_in_children(t, 0), self.edge_in_children(t, 1), self.edge_in_children(t, 2)];
-        for (child, coverage) in coverage.iter_mut().enumerate() {
-            let in_box = (columns >> (child & 1)) & (rows >> (child >> 1)) & 1 != 0;
-            let touches = |e: &EdgeInChildren| e.at_first[child] + e.to_greatest >= 0;
-            if in_box && edges.iter().all(touches) {
-                let covers = edges.iter().all(|e| e.at_first[child] + e.to_least >= e.threshold);
-                let covers_first = edges.iter().all(|e| e.at_first[child] >= e.threshold);
-                let all = if covers { COVERS | COVERS_FIRST } else { 0 };
-                *coverage = Some((all | if covers_first { COVERS_FIRST } else { 0 }) & whole);
-            }
-        }
-        coverage
-    }
-
-    #[inline(always)]
-    fn edge_in_children(&self, t: &BuildTriangle, i: usize) -> EdgeInChildren {
-        let edge = t.edge(i);
-        let at = edge.at(self.first);
-        let [dx, dy] = [edge.normal[0] * self.step, edge.normal[1] * self.step];
-        let [x, y] = [edge.normal[0] * self.side, edge.normal[1] * self.side];
-        EdgeInChildren {
-            at_first: [at, at + dx, at + dy, at + dx + dy],
-            to_greatest: x.max(0) + y.max(0),
-            to_least: x.min(0) + y.min(0),
-            threshold: edge.threshold(),
-        }
+        [columns[0] & rows[0], columns[1] & rows[0], columns[0] & rows[1], columns[1] & rows[1]]
     }
 
     #[inline(always)]
@@ -161,9 +209,7 @@ impl<'a> Split<'a> {
         }
         let [sx, sy] = [t.slope[0].abs(), t.slope[1].abs()];
         let step = self.step as f64;
-        let reach =
-            [(self.middle[0] - f64::from(t.x[0])).abs() + step, (self.middle[1] - f64::from(t.y[0])).abs() + step];
-        let widen = self.slices.widening() + (reach[0] * sx + reach[1] * sy) * ROUNDING;
+        let widen = t.widening(self.middle, step, self.slices);
         let steepness = 0.5 * (sx + sy);
         Depths {
             at_middle: t.depth(self.middle, self.slices.units_per_step()),
@@ -172,15 +218,6 @@ impl<'a> Split<'a> {
             high: steepness * step + widen,
         }
     }
-}
-
-/// An edge function over the four children's rectangles.
-struct EdgeInChildren {
-    at_first: [i64; 4],
-    /// From a child's first centre to its greatest and least value over the child's centres.
-    to_greatest: i64,
-    to_least: i64,
-    threshold: i64,
 }
 
 /// A triangle's plane over the four children, in depth units.
@@ -193,13 +230,16 @@ struct Depths {
 }
 
 impl Depths {
-    /// Conservative first and last slice in a child, the corners' own apart: see [`Entry`].
+    /// Conservative first and last slice in each child, the corners' own apart: see [`Entry`].
     #[inline(always)]
-    fn of_child(&self, child: usize, slices: &Slices) -> (u32, u32) {
-        let mut depth = self.at_middle;
-        depth += if child & 1 != 0 { self.step[0] } else { 0.0 };
-        depth += if child & 2 != 0 { self.step[1] } else { 0.0 };
-        (slices.of_units(depth - self.low), slices.of_units(depth + self.high))
+    fn of_children(&self, slices: &Slices) -> [[u32; 2]; 4] {
+        let [x, y] = self.step;
+        let middles = [self.at_middle, self.at_middle + x, self.at_middle + y, self.at_middle + x + y];
+        let mut spans = [[0; 2]; 4];
+        for (span, depth) in spans.iter_mut().zip(middles) {
+            *span = [slices.of_units(depth - self.low), slices.of_units(depth + self.high)];
+        }
+        spans
     }
 }
 

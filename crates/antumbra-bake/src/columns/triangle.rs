@@ -1,5 +1,6 @@
 //! Triangles as the builder wants them: one cache line each.
 
+use super::lanes::{Lanes, TEXELS, any, bits, map2, mask};
 use crate::light_space::{LatticeTriangle, Resolution, Slices};
 
 /// A triangle with its plane in depth units ([`Slices`]); counter-clockwise on the lattice.
@@ -27,7 +28,7 @@ const EDGE_ON: u32 = 4;
 const SOLID_FACING: u32 = SOLID | FACES_LIGHT;
 
 /// Relative bound on the rounding of a depth, of the greatest term in it: 2^-49.
-pub(super) const ROUNDING: f64 = 1.0 / (1u64 << 49) as f64;
+const ROUNDING: f64 = 1.0 / (1u64 << 49) as f64;
 
 /// 1.5 * 2^52: doubles near it are whole numbers, those a little below it too.
 const ROUNDER: f64 = (3u64 << 51) as f64;
@@ -71,7 +72,7 @@ impl BuildTriangle {
 
     /// Index of its cutout.
     #[inline(always)]
-    pub(super) fn cutout(&self) -> Option<usize> {
+    pub(crate) fn cutout(&self) -> Option<usize> {
         (self.cutout != NO_CUTOUT).then_some(self.cutout as usize)
     }
 
@@ -106,7 +107,7 @@ impl BuildTriangle {
 
     /// What a crossing adds to the winding number.
     #[inline(always)]
-    pub(super) fn winding(&self) -> i32 {
+    pub(crate) fn winding(&self) -> i32 {
         match self.flags {
             SOLID_FACING => 1,
             SOLID => -1,
@@ -124,6 +125,22 @@ impl BuildTriangle {
         }
     }
 
+    /// Whether it is the same triangle twice, whichever way it is turned.
+    pub(super) fn has_corners_of(&self, other: &Self) -> bool {
+        (self.x, self.y, self.z, self.slope) == (other.x, other.y, other.z, other.slope)
+    }
+
+    /// First and last texel along each axis whose centre its box may hold; texels may lie off the grid. `None` for one that
+    /// covers nothing.
+    pub(crate) fn texels(&self, resolution: Resolution) -> Option<[[i64; 2]; 2]> {
+        let steps = resolution.texel_steps();
+        let span = |c: [i32; 3]| {
+            let [low, high] = [c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2])].map(i64::from);
+            [(low - steps / 2).div_euclid(steps), (high - steps / 2).div_euclid(steps)]
+        };
+        (!self.is_edge_on()).then(|| [span(self.x), span(self.y)])
+    }
+
     /// Ends of edge `i` on the lattice, in the triangle's order of turning.
     #[inline(always)]
     pub(super) fn edge_ends(&self, i: usize) -> [[i32; 2]; 2] {
@@ -139,6 +156,15 @@ impl BuildTriangle {
         f64::from(self.z[0]) * units_per_step + (x * self.slope[0] + y * self.slope[1])
     }
 
+    /// By how much a depth may lie off that is computed within so far of a lattice point, along each axis: rounding, and a
+    /// little more so that it opens no gap between neighbours. In units.
+    #[inline(always)]
+    pub(super) fn widening(&self, p: [f64; 2], reach: f64, slices: &Slices) -> f64 {
+        let x = (p[0] - f64::from(self.x[0])).abs() + reach;
+        let y = (p[1] - f64::from(self.y[0])).abs() + reach;
+        slices.widening() + (x * self.slope[0].abs() + y * self.slope[1].abs()) * ROUNDING
+    }
+
     /// The plane's depth over a leaf, given its first texel centre: depth there and steps along x and y, in units.
     #[inline(always)]
     fn leaf_plane(&self, first: [i64; 2], slices: &Slices) -> LeafPlane {
@@ -150,37 +176,31 @@ impl BuildTriangle {
         LeafPlane { corner, step, error }
     }
 
-    /// The slices of a leaf's 64 texel centres, row by row from the first; exact where `wanted` has a bit and the
-    /// triangle covers the centre.
-    #[inline]
-    pub(super) fn leaf_slices(&self, first: [i64; 2], wanted: u64, slices: &Slices) -> [u32; 64] {
-        let (mut of_texel, doubtful) = self.leaf_plane(first, slices).slices(slices, wanted);
-        let mut doubtful = doubtful & wanted;
+    /// The slices of a leaf's 64 texel centres; exact where the triangle covers them and the mask says so.
+    #[inline(always)]
+    pub(super) fn leaf_slices(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
+        let plane = self.leaf_plane(first, slices);
+        let (mut of_texel, doubtful) = plane.slices(slices, covered);
+        let doubtful = map2(&doubtful, covered, |doubtful, covered| doubtful & covered);
+        if any(&doubtful) {
+            self.settle_doubts(&mut of_texel, bits(&doubtful), first, slices);
+        }
+        of_texel
+    }
+
+    #[cold]
+    fn settle_doubts(&self, of_texel: &mut Lanes, mut doubtful: u64, first: [i64; 2], slices: &Slices) {
         while doubtful != 0 {
             let i = doubtful.trailing_zeros() as usize;
             of_texel[i] = self.exact_slice(leaf_center(first, i, slices.resolution()), slices);
             doubtful &= doubtful - 1;
         }
-        of_texel
     }
 
-    /// The exact slice of one of a leaf's texel centres, which the triangle covers.
-    #[inline]
-    pub(super) fn leaf_slice(&self, first: [i64; 2], texel: usize, slices: &Slices) -> u32 {
-        let (slice, sure) = self.leaf_plane(first, slices).slice(texel, slices);
-        if sure { slice } else { self.exact_slice(leaf_center(first, texel, slices.resolution()), slices) }
-    }
-
-    /// The slices of the plane's deepest points in a leaf's 64 texels; a hair too deep does no harm.
-    #[inline]
-    pub(super) fn leaf_deepest(&self, first: [i64; 2], wanted: u64, slices: &Slices) -> [u32; 64] {
-        self.leaf_plane(first, slices).lowered(slices).slices(slices, wanted).0
-    }
-
-    /// The same for one texel.
-    #[inline]
-    pub(super) fn leaf_deepest_at(&self, first: [i64; 2], texel: usize, slices: &Slices) -> u32 {
-        self.leaf_plane(first, slices).lowered(slices).slice(texel, slices).0
+    /// The slices of the plane's deepest points in a leaf's 64 texels, where the mask says so; a hair too deep does no harm.
+    #[inline(always)]
+    pub(super) fn leaf_deepest(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
+        self.leaf_plane(first, slices).lowered(slices).slices(slices, covered).0
     }
 
     /// The slice at a lattice point, in exact integers.
@@ -219,62 +239,40 @@ impl LeafPlane {
         self
     }
 
+    /// Depths at the 64 texel centres.
     #[inline(always)]
-    fn depth(&self, texel: usize) -> f64 {
-        self.corner + ((texel & 7) as f64 * self.step[0] + (texel >> 3) as f64 * self.step[1])
-    }
-
-    /// Slice at a texel centre, and whether rounding cannot have made it wrong.
-    #[inline(always)]
-    fn slice(&self, texel: usize, slices: &Slices) -> (u32, bool) {
-        if slices.are_even() { self.even_slice(texel) } else { slices.of_units_within(self.depth(texel), self.error) }
-    }
-
-    /// The same where a depth unit is a slice.
-    #[inline(always)]
-    fn even_slice(&self, texel: usize) -> (u32, bool) {
-        let depth = self.depth(texel);
-        // Adding so much rounds to a whole number and leaves it in the low bits.
-        let rounded = (depth - 0.5) + ROUNDER;
-        let share = depth - (rounded - ROUNDER);
-        (rounded.to_bits() as u32, share > self.error && share < 1.0 - self.error)
-    }
-
-    /// The slices of those of the 64 texels that are wanted, at least, and a bit for each that rounding may have made
-    /// wrong.
-    #[inline]
-    fn slices(&self, slices: &Slices, wanted: u64) -> ([u32; 64], u64) {
-        if slices.are_even() { self.even_slices() } else { self.wanted_slices(slices, wanted) }
-    }
-
-    fn wanted_slices(&self, slices: &Slices, mut wanted: u64) -> ([u32; 64], u64) {
-        let mut of_texel = [0; 64];
-        let mut doubtful = 0;
-        while wanted != 0 {
-            let i = wanted.trailing_zeros() as usize;
-            let (slice, is_sure) = slices.of_units_within(self.depth(i), self.error);
-            of_texel[i] = slice;
-            doubtful |= u64::from(!is_sure) << i;
-            wanted &= wanted - 1;
-        }
-        (of_texel, doubtful)
-    }
-
-    /// All 64: compilers make vector code of this.
-    #[inline]
-    fn even_slices(&self) -> ([u32; 64], u64) {
-        let mut slices = [0; 64];
-        let mut doubtful = 0;
+    fn depths(&self) -> [f64; TEXELS] {
+        let mut depths = [0.0; TEXELS];
         for y in 0..8 {
-            let mut sure = [0u64; 8];
             for x in 0..8 {
-                let (slice, is_sure) = self.even_slice(8 * y + x);
-                slices[8 * y + x] = slice;
-                sure[x] = u64::from(is_sure);
+                depths[8 * y + x] = self.corner + (x as f64 * self.step[0] + y as f64 * self.step[1]);
             }
-            for (x, sure) in sure.iter().enumerate() {
-                doubtful |= (sure ^ 1) << (8 * y + x);
-            }
+        }
+        depths
+    }
+
+    /// The slices of those of the 64 texels that a mask holds, at least, and a mask of those that rounding may have made
+    /// wrong.
+    #[inline(always)]
+    fn slices(&self, slices: &Slices, covered: &Lanes) -> (Lanes, Lanes) {
+        if slices.are_even() {
+            self.even_slices()
+        } else {
+            slices.of_depths_within(&self.depths(), self.error, covered)
+        }
+    }
+
+    /// All 64, where a depth unit is a slice.
+    #[inline(always)]
+    fn even_slices(&self) -> (Lanes, Lanes) {
+        let depths = self.depths();
+        let (mut slices, mut doubtful) = ([0; TEXELS], [0; TEXELS]);
+        for i in 0..TEXELS {
+            // Adding so much rounds to a whole number and leaves it in the low bits.
+            let rounded = (depths[i] - 0.5) + ROUNDER;
+            let share = depths[i] - (rounded - ROUNDER);
+            slices[i] = rounded.to_bits() as u32;
+            doubtful[i] = mask(!(share > self.error && share < 1.0 - self.error));
         }
         (slices, doubtful)
     }

@@ -1,8 +1,11 @@
 //! Numbers the nodes in canonical order and writes them as `dag8` words: see [`antumbra::format::dag8`].
 
-use antumbra::format::dag8::{NodeCounts, POOL_HEADER_WORDS, SLICE_LEVEL, WHOLE, mean_bits, slice_node_share};
+use antumbra::format::dag8::{NodeCounts, POOL_HEADER_WORDS, SLICE_LEVEL, mean_bits};
+use rayon::prelude::*;
 
-use super::table::{self, Id, LIT, SHADOWED, Tables};
+use super::order::{Order, is_homogeneous, node_words};
+use super::table::{Id, Tables};
+use crate::Pause;
 
 /// A pool of words with the lights' roots.
 pub struct Encoded {
@@ -23,206 +26,130 @@ pub enum EncodeError {
     /// The nodes, their order and the file together outgrow the limit.
     #[error("encoding needs more than the memory limit")]
     MemoryLimit,
+    /// The pause said so.
+    #[error("encoding was cancelled")]
+    Cancelled,
 }
 
 /// Encodes what is reachable from (root, level) pairs, in time and memory in proportion to the tables.
 ///
 /// # Errors
 /// [`EncodeError`]; the limit, in bytes, holds for the tables, the work on them and the finished file.
-pub fn encode(tables: Tables, roots: &[(Id, u32)], memory_limit: u64) -> Result<Encoded, EncodeError> {
+pub fn encode(
+    tables: Tables,
+    roots: &[(Id, u32)],
+    memory_limit: u64,
+    pause: Pause<'_>,
+) -> Result<Encoded, EncodeError> {
     let tables_bytes = tables.bytes();
     let fits = |bytes: u64| if bytes <= memory_limit { Ok(()) } else { Err(EncodeError::MemoryLimit) };
-    // A rank, a word and an entry in the order for every key, and for nodes, which are longer, a share.
+    // A word, a share and an entry in the order, and in a stretch's, for every key of some 40 bytes with its slots.
     let order_bytes = tables_bytes / 3 * 2;
     fits(tables_bytes + order_bytes)?;
-    let mut order = Order::new(tables);
-    let mut added = Vec::with_capacity(roots.len());
-    for &(root, level) in roots {
-        let (counts, words) = (order.counts(), order.words());
-        order.visit(root, level);
-        let now = order.counts();
-        let counts = NodeCounts {
-            inner: now.inner - counts.inner,
-            slices: now.slices - counts.slices,
-            masks: now.masks - counts.masks,
-        };
-        added.push((counts, order.words() - words));
-    }
+    let order = Order::new(tables, roots, pause).ok_or(EncodeError::Cancelled)?;
     let words = order.words() + POOL_HEADER_WORDS as u64;
     u32::try_from(words).map_err(|_| EncodeError::TooManyWords)?;
     fits((tables_bytes + order_bytes + 4 * words).max(8 * words))?;
-    let (pool, roots) = order.write(roots);
+    let layout = Layout::new(&order);
+    let roots = roots.iter().map(|&(id, level)| layout.reference(id, level)).collect();
+    let pool = layout.write(pause);
+    let added = order.discard(pause);
     Ok(Encoded { pool, roots, added })
 }
 
-/// The canonical order: masks and slice nodes as first met by a depth-first walk, inner nodes behind their children.
-struct Order {
-    masks: Part<u64>,
-    slices: Part<[Id; 8]>,
-    inner: Part<[Id; 8]>,
-    /// Level of each inner node in `inner.order`.
-    levels: Vec<u8>,
+/// Where the parts of a pool begin.
+struct Layout<'a> {
+    order: &'a Order,
+    slices_at: u32,
+    inner_at: u32,
 }
 
-/// One kind of node, in the order of meeting.
-struct Part<K> {
-    keys: Vec<Vec<K>>,
-    /// Place in the order of each key, once met.
-    rank: Vec<Vec<u32>>,
-    order: Vec<Id>,
-    /// Word within the part, by rank.
-    words_at: Vec<u32>,
-    words: u64,
-}
+/// Nodes that a thread writes at a time.
+const PIECE: usize = 1 << 12;
 
-const UNMET: u32 = u32::MAX;
-
-impl<K: Copy> Part<K> {
-    fn new(keys: Vec<Vec<K>>) -> Self {
-        let rank = keys.iter().map(|shard| vec![UNMET; shard.len()]).collect();
-        Self { keys, rank, order: Vec::new(), words_at: Vec::new(), words: 0 }
+impl<'a> Layout<'a> {
+    fn new(order: &'a Order) -> Self {
+        let slices_at = POOL_HEADER_WORDS as u32 + order.masks.words as u32;
+        Self { order, slices_at, inner_at: slices_at + order.slices.words as u32 }
     }
 
-    fn key(&self, id: Id) -> K {
-        let (shard, local) = table::place(id);
-        self.keys[shard][local]
-    }
-
-    fn rank(&self, id: Id) -> usize {
-        let (shard, local) = table::place(id);
-        self.rank[shard][local] as usize
-    }
-
-    fn word(&self, id: Id) -> u32 {
-        self.words_at[self.rank(id)]
-    }
-
-    fn is_met(&self, id: Id) -> bool {
-        self.rank(id) != UNMET as usize
-    }
-
-    fn meet(&mut self, id: Id, words: usize) {
-        let (shard, local) = table::place(id);
-        self.rank[shard][local] = self.order.len() as u32;
-        self.order.push(id);
-        self.words_at.push(self.words as u32);
-        self.words += words as u64;
-    }
-}
-
-fn is_homogeneous(id: Id) -> bool {
-    id == LIT || id == SHADOWED
-}
-
-fn node_words(children: &[Id; 8]) -> usize {
-    1 + children.iter().filter(|c| !is_homogeneous(**c)).count()
-}
-
-impl Order {
-    fn new(tables: Tables) -> Self {
-        Self {
-            masks: Part::new(tables.masks.into_keys()),
-            slices: Part::new(tables.slices.into_keys()),
-            inner: Part::new(tables.inner.into_keys()),
-            levels: Vec::new(),
+    /// Reference to a node of 2^level voxels per side.
+    fn reference(&self, id: Id, level: u32) -> u32 {
+        match level {
+            _ if is_homogeneous(id) => id,
+            SLICE_LEVEL => self.slices_at + self.order.slices.word(id),
+            _ => self.inner_at + self.order.inner.word(id),
         }
     }
 
-    fn words(&self) -> u64 {
-        self.masks.words + self.slices.words + self.inner.words
-    }
-
-    fn counts(&self) -> NodeCounts {
-        let count = |order: &[Id]| order.len() as u64;
-        NodeCounts {
-            inner: count(&self.inner.order),
-            slices: count(&self.slices.order),
-            masks: count(&self.masks.order),
-        }
-    }
-
-    fn visit(&mut self, id: Id, level: u32) {
-        if is_homogeneous(id) {
-            return;
-        }
-        if level == SLICE_LEVEL {
-            self.visit_slices(id);
-        } else if !self.inner.is_met(id) {
-            let children = self.inner.key(id);
-            children.iter().for_each(|child| self.visit(*child, level - 1));
-            self.inner.meet(id, node_words(&children));
-            self.levels.push(level as u8);
-        }
-    }
-
-    fn visit_slices(&mut self, id: Id) {
-        if self.slices.is_met(id) {
-            return;
-        }
-        let children = self.slices.key(id);
-        for mask in children {
-            if !is_homogeneous(mask) && !self.masks.is_met(mask) {
-                self.masks.meet(mask, 2);
+    fn write(&self, pause: Pause<'_>) -> Vec<u32> {
+        let Self { order, .. } = *self;
+        let parts = [order.masks.words, order.slices.words, order.inner.words].map(|words| words as usize);
+        let mut pool = vec![0; POOL_HEADER_WORDS + parts.iter().sum::<usize>()];
+        let (header, rest) = pool.split_at_mut(POOL_HEADER_WORDS);
+        header[..3].copy_from_slice(&parts.map(|words| words as u32));
+        let (masks, rest) = rest.split_at_mut(parts[0]);
+        let (slices, inner) = rest.split_at_mut(parts[1]);
+        masks.par_chunks_mut(2 * PIECE).zip(order.masks.order.par_chunks(PIECE)).for_each(|(words, masks)| {
+            for (words, &id) in words.chunks_exact_mut(2).zip(masks) {
+                let lit = order.masks.key(id);
+                words.copy_from_slice(&[lit as u32, (lit >> 32) as u32]);
             }
-        }
-        self.slices.meet(id, node_words(&children));
-    }
-
-    /// The lit share of a slice node.
-    fn slice_share(&self, slices: &[Id; 8]) -> u64 {
-        let lit = |id: &Id| match *id {
-            LIT => 64,
-            SHADOWED => 0,
-            mask => self.masks.key(mask).count_ones(),
-        };
-        slice_node_share(slices.iter().map(lit).sum())
-    }
-
-    /// The pool, and the roots' references.
-    fn write(&self, roots: &[(Id, u32)]) -> (Vec<u32>, Vec<u32>) {
-        let sizes = [self.masks.words, self.slices.words, self.inner.words].map(|w| w as u32);
-        let masks_at = POOL_HEADER_WORDS as u32;
-        let slices_at = masks_at + sizes[0];
-        let inner_at = slices_at + sizes[1];
-        let mask = |id| masks_at + self.masks.word(id);
-        let node = |id, level| match level {
-            SLICE_LEVEL => slices_at + self.slices.word(id),
-            _ => inner_at + self.inner.word(id),
-        };
-        let mut pool = Vec::with_capacity(POOL_HEADER_WORDS + self.words() as usize);
-        pool.extend(sizes);
-        pool.resize(POOL_HEADER_WORDS, 0);
-        for &id in &self.masks.order {
-            let lit = self.masks.key(id);
-            pool.extend([lit as u32, (lit >> 32) as u32]);
-        }
-        let slice_shares: Vec<u64> =
-            self.slices.order.iter().map(|id| self.slice_share(&self.slices.key(*id))).collect();
-        for (&id, &share) in self.slices.order.iter().zip(&slice_shares) {
-            push_node(&mut pool, self.slices.key(id), share, mask);
-        }
-        let mut shares: Vec<u64> = Vec::with_capacity(self.inner.order.len());
-        for (&id, &level) in self.inner.order.iter().zip(&self.levels) {
-            let (children, below) = (self.inner.key(id), u32::from(level) - 1);
-            let share = |child: &Id| match *child {
-                LIT => WHOLE / 8,
-                SHADOWED => 0,
-                child if below == SLICE_LEVEL => slice_shares[self.slices.rank(child)] / 8,
-                child => shares[self.inner.rank(child)] / 8,
-            };
-            let share = children.iter().map(share).sum();
-            push_node(&mut pool, children, share, |child| node(child, below));
-            shares.push(share);
-        }
-        let root = |&(id, level): &(Id, u32)| if is_homogeneous(id) { id } else { node(id, level) };
-        (pool, roots.iter().map(root).collect())
+            pause();
+        });
+        let mask = |id| POOL_HEADER_WORDS as u32 + order.masks.word(id);
+        pieces(slices, &order.slices.order, |id| order.slices.word(id)).into_par_iter().for_each(|piece| {
+            piece.write(|id, _| (order.slices.key(id), order.share(id, SLICE_LEVEL)), |id, _| mask(id));
+            pause();
+        });
+        pieces(inner, &order.inner.order, |id| order.inner.word(id)).into_par_iter().for_each(|piece| {
+            // Any level above the children's will do.
+            let level = |place: usize| if order.holds_slices[place] { SLICE_LEVEL + 1 } else { SLICE_LEVEL + 2 };
+            piece.write(
+                |id, place| (order.inner.key(id), order.share(id, level(place))),
+                |child, place| self.reference(child, level(place) - 1),
+            );
+            pause();
+        });
+        pool
     }
 }
 
-/// A header word, then a reference per mixed child.
-fn push_node(pool: &mut Vec<u32>, children: [Id; 8], share: u64, reference: impl Fn(Id) -> u32) {
-    let code = |child: Id| if is_homogeneous(child) { child } else { 2 };
-    let codes = children.iter().enumerate().fold(0, |header, (i, child)| header | (code(*child) << (2 * i)));
-    pool.push(codes | mean_bits(share));
-    pool.extend(children.iter().filter(|c| !is_homogeneous(**c)).map(|c| reference(*c)));
+/// Nodes that follow one another, and their words.
+struct Piece<'a> {
+    words: &'a mut [u32],
+    nodes: &'a [Id],
+    /// Place in the order of the first node.
+    first: usize,
+}
+
+/// Cuts a part of the pool where pieces of its order begin.
+fn pieces<'a>(mut words: &'a mut [u32], order: &'a [Id], word: impl Fn(Id) -> u32) -> Vec<Piece<'a>> {
+    let mut pieces = Vec::new();
+    let mut begin = 0;
+    for (i, nodes) in order.chunks(PIECE).enumerate() {
+        let first = i * PIECE;
+        let next = order.get(first + PIECE).map_or(begin + words.len(), |id| word(*id) as usize);
+        let (own, rest) = words.split_at_mut(next - begin);
+        pieces.push(Piece { words: own, nodes, first });
+        (words, begin) = (rest, next);
+    }
+    pieces
+}
+
+impl Piece<'_> {
+    /// Writes each node: a header word, then a reference per mixed child.
+    fn write(self, node: impl Fn(Id, usize) -> ([Id; 8], u64), reference: impl Fn(Id, usize) -> u32) {
+        let mut words = self.words;
+        for (place, &id) in (self.first..).zip(self.nodes) {
+            let (children, share) = node(id, place);
+            let (own, rest) = words.split_at_mut(node_words(&children));
+            let code = |child: Id| if is_homogeneous(child) { child } else { 2 };
+            let codes = children.iter().enumerate().fold(0, |header, (i, child)| header | (code(*child) << (2 * i)));
+            own[0] = codes | mean_bits(share);
+            let mixed = children.iter().filter(|child| !is_homogeneous(**child));
+            own[1..].iter_mut().zip(mixed).for_each(|(word, child)| *word = reference(*child, place));
+            words = rest;
+        }
+    }
 }

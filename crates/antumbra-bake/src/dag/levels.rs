@@ -9,6 +9,7 @@ use antumbra::format::light::MIN_LOG2_RESOLUTION;
 use rustc_hash::FxHashMap;
 
 use super::table::{Id, LIT, SHADOWED, Tables};
+use crate::Pause;
 
 /// Why there are no coarse levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -19,8 +20,13 @@ pub enum LevelsError {
     /// The tables ran out of ids.
     #[error("there are more distinct nodes than ids")]
     TooManyNodes,
+    /// The pause said so.
+    #[error("making coarse levels was cancelled")]
+    Cancelled,
 }
 
+/// Nodes that are made between two rests.
+const PAUSE_NODES: usize = 64;
 /// Bytes that a remembered node takes.
 const MEMO_BYTES: u64 = 40;
 
@@ -33,12 +39,13 @@ pub fn coarse_levels<'a>(
     tables: &Tables,
     lights: impl Iterator<Item = (&'a [Id], u32)>,
     memory_limit: u64,
+    pause: Pause<'_>,
 ) -> Result<Vec<(Id, u32)>, LevelsError> {
     let mut shares = FxHashMap::default();
     let mut roots = Vec::new();
     for (faces, log2_resolution) in lights {
         for by in 1..=log2_resolution - MIN_LOG2_RESOLUTION {
-            let mut coarse = Coarse { tables, by, shares: &mut shares, made: FxHashMap::default() };
+            let mut coarse = Coarse { tables, by, shares: &mut shares, made: FxHashMap::default(), pause };
             for face in faces {
                 roots.push((coarse.node(*face, log2_resolution), log2_resolution - by));
             }
@@ -48,6 +55,9 @@ pub fn coarse_levels<'a>(
             }
             if tables.are_full() {
                 return Err(LevelsError::TooManyNodes);
+            }
+            if !pause() {
+                return Err(LevelsError::Cancelled);
             }
         }
     }
@@ -62,6 +72,7 @@ struct Coarse<'a> {
     shares: &'a mut FxHashMap<Id, u64>,
     /// Coarse nodes by node and level: a node of homogeneous children can stand at several.
     made: FxHashMap<(Id, u32), Id>,
+    pause: Pause<'a>,
 }
 
 impl Coarse<'_> {
@@ -83,6 +94,9 @@ impl Coarse<'_> {
             self.tables.inner_node(octants)
         };
         self.made.insert((id, level), made);
+        if self.made.len().is_multiple_of(PAUSE_NODES) {
+            (self.pause)();
+        }
         made
     }
 

@@ -5,8 +5,9 @@
 
 mod encode;
 mod levels;
+mod order;
 mod table;
 
 pub use encode::{EncodeError, Encoded, encode};
 pub use levels::{LevelsError, coarse_levels};
-pub use table::{Id, LIT, NodeTable, SHADOWED, Tables};
+pub use table::{Id, Interner, LIT, NodeTable, SHADOWED, Tables};

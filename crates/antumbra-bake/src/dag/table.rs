@@ -1,11 +1,12 @@
 //! Sharded hash-consing tables, shared by all threads and all lights of a bake.
 
-use std::hash::{BuildHasher, Hash, Hasher};
+use std::hash::{BuildHasher, Hasher};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use hashbrown::HashTable;
-use rustc_hash::FxBuildHasher;
+use foldhash::fast::FixedState;
+
+use crate::Pause;
 
 /// A node, a mask, or one of the homogeneous volumes. Ids depend on the threads' timing; bytes never do, because
 /// [`super::encode`] numbers afresh.
@@ -84,14 +85,58 @@ pub struct NodeTable<K> {
     full: AtomicBool,
 }
 
+/// Keys in the order of their coming, and an open-addressing index of them.
 struct Shard<K> {
     keys: Vec<K>,
-    index: HashTable<u32>,
+    /// Half of a key's hash in the upper half, its place plus 1 in the lower; 0 is empty. So a miss in the cache is taken for
+    /// keys that are equal only, and growing looks at no key. A power of two of slots, probed one after the other.
+    slots: Vec<u64>,
+}
+
+/// Slots of a shard with its first key.
+const FIRST_SLOTS: usize = 64;
+
+impl<K: Copy + Eq + FastHash> Shard<K> {
+    /// The place of an equal key, or else the slot where the key belongs.
+    #[inline]
+    fn find(&self, key: K, hash: u32) -> Result<u32, usize> {
+        let last = self.slots.len() - 1;
+        let mut at = hash as usize & last;
+        loop {
+            let slot = self.slots[at];
+            if slot == 0 {
+                return Err(at);
+            }
+            let place = slot as u32 - 1;
+            if (slot >> 32) as u32 == hash && self.keys[place as usize] == key {
+                return Ok(place);
+            }
+            at = (at + 1) & last;
+        }
+    }
+
+    /// Doubles the slots.
+    fn grow(&mut self) {
+        let length = (2 * self.slots.len()).max(FIRST_SLOTS);
+        let mut slots = vec![0u64; length];
+        for slot in self.slots.iter().filter(|slot| **slot != 0) {
+            let mut at = (slot >> 32) as usize & (length - 1);
+            while slots[at] != 0 {
+                at = (at + 1) & (length - 1);
+            }
+            slots[at] = *slot;
+        }
+        self.slots = slots;
+    }
+
+    fn bytes(&self) -> usize {
+        self.keys.capacity() * size_of::<K>() + self.slots.len() * size_of::<u64>()
+    }
 }
 
 impl<K: Copy + Eq + FastHash> NodeTable<K> {
     fn new(tag: u32) -> Self {
-        let shard = || Mutex::new(Shard { keys: Vec::new(), index: HashTable::new() });
+        let shard = || Mutex::new(Shard { keys: Vec::new(), slots: Vec::new() });
         Self {
             shards: (0..SHARDS).map(|_| shard()).collect(),
             tag,
@@ -102,24 +147,34 @@ impl<K: Copy + Eq + FastHash> NodeTable<K> {
 
     /// The key's id, new or old.
     pub fn intern(&self, key: K) -> Id {
-        let hash = key.fast_hash();
-        // The index uses the hash's low and highest bits; take others for the shard.
-        let shard_number = (hash >> 40) as usize % SHARDS;
+        self.intern_hashed(key, key.fast_hash())
+    }
+
+    fn intern_hashed(&self, key: K, hash: u64) -> Id {
+        // The index uses 32 bits; take others for the shard.
+        let shard_number = (hash >> 20) as usize % SHARDS;
+        let hash = (hash >> 32) as u32;
         let mut shard = lock(&self.shards[shard_number]);
-        let Shard { keys, index } = &mut *shard;
-        if let Some(&local) = index.find(hash, |&i| keys[i as usize] == key) {
-            return self.id(local, shard_number);
+        // At most three slots in four are taken.
+        if 4 * shard.keys.len() >= 3 * shard.slots.len() {
+            let before = shard.bytes();
+            shard.grow();
+            self.account(before, shard.bytes());
         }
-        let local = keys.len() as u32;
+        let slot = match shard.find(key, hash) {
+            Ok(local) => return self.id(local, shard_number),
+            Err(slot) => slot,
+        };
+        let local = shard.keys.len() as u32;
         if local >= MOST_KEYS {
             self.full.store(true, Ordering::Relaxed);
             return LIT;
         }
-        let capacity = keys.capacity();
-        keys.push(key);
-        index.insert_unique(hash, local, |&i| keys[i as usize].fast_hash());
-        if keys.capacity() != capacity {
-            self.account(keys.capacity() - capacity);
+        let (before, capacity) = (shard.bytes(), shard.keys.capacity());
+        shard.keys.push(key);
+        shard.slots[slot] = (u64::from(hash) << 32) | u64::from(local + 1);
+        if shard.keys.capacity() != capacity {
+            self.account(before, shard.bytes());
         }
         self.id(local, shard_number)
     }
@@ -134,10 +189,8 @@ impl<K: Copy + Eq + FastHash> NodeTable<K> {
         ((local << (SHARD_BITS + 1)) | ((shard as u32) << 1) | self.tag) + FIRST_ID
     }
 
-    fn account(&self, added_keys: usize) {
-        // A key, and up to two slots in the index with their control bytes.
-        let per_key = size_of::<K>() + 2 * (size_of::<u32>() + 1);
-        self.bytes.fetch_add((added_keys * per_key) as u64, Ordering::Relaxed);
+    fn account(&self, before: usize, after: usize) {
+        self.bytes.fetch_add((after - before) as u64, Ordering::Relaxed);
     }
 
     /// Whether a key found no room; ids are then wrong and the bake must end.
@@ -151,8 +204,73 @@ impl<K: Copy + Eq + FastHash> NodeTable<K> {
     }
 
     /// Keys by shard, for reading once all threads are done.
-    pub fn into_keys(self) -> Vec<Vec<K>> {
-        self.shards.into_iter().map(|s| s.into_inner().unwrap_or_else(PoisonError::into_inner).keys).collect()
+    pub fn into_keys(self, pause: Pause<'_>) -> Vec<Vec<K>> {
+        let keys = self.shards.into_iter().map(|shard| {
+            pause();
+            shard.into_inner().unwrap_or_else(PoisonError::into_inner).keys
+        });
+        keys.collect()
+    }
+}
+
+/// One thread's way to the tables: what it has met of late it finds in caches of its own, without a lock or a walk
+/// through memory. Most nodes are met again soon.
+pub struct Interner<'a> {
+    tables: &'a Tables,
+    masks: Recent<u64, 11>,
+    slices: Recent<[Id; 8], 12>,
+    inner: Recent<[Id; 8], 12>,
+}
+
+/// The last key that fell into each of 2^`LOG2` places, with its id.
+struct Recent<K, const LOG2: u32> {
+    places: Box<[(K, Id)]>,
+}
+
+impl<K: Copy + Eq + FastHash + Default, const LOG2: u32> Recent<K, LOG2> {
+    /// Places without a key hold one that is homogeneous, which is never asked for.
+    fn new() -> Self {
+        Self { places: vec![(K::default(), LIT); 1 << LOG2].into_boxed_slice() }
+    }
+
+    #[inline]
+    fn intern(&mut self, key: K, table: &NodeTable<K>) -> Id {
+        let hash = key.fast_hash();
+        let recent = &mut self.places[hash as usize & ((1 << LOG2) - 1)];
+        if recent.0 != key {
+            *recent = (key, table.intern_hashed(key, hash));
+        }
+        recent.1
+    }
+}
+
+impl<'a> Interner<'a> {
+    /// Knows nothing yet.
+    #[must_use]
+    pub fn new(tables: &'a Tables) -> Self {
+        Self { tables, masks: Recent::new(), slices: Recent::new(), inner: Recent::new() }
+    }
+
+    /// See [`Tables::mask`].
+    #[inline]
+    pub fn mask(&mut self, lit: u64) -> Id {
+        match lit {
+            u64::MAX => LIT,
+            0 => SHADOWED,
+            _ => self.masks.intern(lit, &self.tables.masks),
+        }
+    }
+
+    /// See [`Tables::slice_node`].
+    #[inline]
+    pub fn slice_node(&mut self, slices: [Id; 8]) -> Id {
+        homogeneous(&slices).unwrap_or_else(|| self.slices.intern(slices, &self.tables.slices))
+    }
+
+    /// See [`Tables::inner_node`].
+    #[inline]
+    pub fn inner_node(&mut self, octants: [Id; 8]) -> Id {
+        homogeneous(&octants).unwrap_or_else(|| self.inner.intern(octants, &self.tables.inner))
     }
 }
 
@@ -173,17 +291,22 @@ pub trait FastHash {
     fn fast_hash(&self) -> u64;
 }
 
+/// The same on every machine; not that bytes would depend on it.
+const HASHER: FixedState = FixedState::with_seed(0);
+
 impl FastHash for u64 {
+    #[inline]
     fn fast_hash(&self) -> u64 {
-        FxBuildHasher.hash_one(self)
+        HASHER.hash_one(self)
     }
 }
 
 impl FastHash for [Id; 8] {
+    #[inline]
     fn fast_hash(&self) -> u64 {
-        let mut hasher = FxBuildHasher.build_hasher();
+        let mut hasher = HASHER.build_hasher();
         for pair in bytemuck::cast_ref::<[u32; 8], [[u32; 2]; 4]>(self) {
-            (u64::from(pair[0]) | (u64::from(pair[1]) << 32)).hash(&mut hasher);
+            hasher.write_u64(u64::from(pair[0]) | (u64::from(pair[1]) << 32));
         }
         hasher.finish()
     }

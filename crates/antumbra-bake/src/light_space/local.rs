@@ -6,6 +6,7 @@
 
 use antumbra::lookup::project::face_axes;
 use antumbra::{DepthDistribution, FACE_BORDER, LightKind, LightRecord};
+use antumbra_scene::Bounds;
 use glam::DVec3;
 
 use super::clip::Polygon;
@@ -133,10 +134,21 @@ impl LocalSpace {
         self.distribution
     }
 
-    /// Half the side of the box about the light, along its axes, outside which no caster matters.
+    /// World box outside which no caster matters.
     #[must_use]
-    pub fn half_box_m(&self) -> f64 {
-        self.far_m * self.tangent_of_grid().max(1.0)
+    pub fn bounds(&self) -> Bounds {
+        let [right, down, along] = self.axes;
+        // A cube's faces reach a little beyond its edges; one face's pyramid ends in a square.
+        let half_m = self.far_m * self.tangent_of_grid() * (1.0 + 1e-9);
+        let ends = if self.is_cube { [-half_m, half_m] } else { [0.0, self.far_m * (1.0 + 1e-9)] };
+        let mut bounds = Bounds::EMPTY;
+        for end in ends {
+            let half_m = if end == 0.0 { 0.0 } else { half_m };
+            for (x, y) in [(-half_m, -half_m), (half_m, -half_m), (-half_m, half_m), (half_m, half_m)] {
+                bounds.insert(self.position_world + right * x + down * y + along * end);
+            }
+        }
+        bounds
     }
 
     /// Tangent at the grid's edge.

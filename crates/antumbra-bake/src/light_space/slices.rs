@@ -35,6 +35,9 @@ enum BucketIndex {
     Even { shift: u32 },
 }
 
+/// Depths over more slices than this are looked up one by one.
+const MOST_BOUNDARIES: u32 = 24;
+
 /// Lattice steps to infinity (local lights), or to the volume's end.
 const DEPTH_STEPS: f64 = (1u64 << DEPTH_BITS) as f64;
 
@@ -111,18 +114,27 @@ impl Slices {
         }
     }
 
-    /// The same, and whether a depth that is off by no more than `error` lies in that slice for certain.
-    #[inline]
+    /// The slices of 64 depths in units, and a mask of those that a depth which is off by no more than `error` may make
+    /// wrong. Both hold where `wanted`, a mask too, is set. For slices that are not even.
+    #[inline(always)]
     #[must_use]
-    pub fn of_units_within(&self, depth: f64, error: f64) -> (u32, bool) {
-        let Some(table) = &self.table else {
-            let share = depth - depth.floor();
-            return (depth as u32, share > error && share < 1.0 - error);
-        };
-        let slice = table.slice(depth as u32);
-        let begin = f64::from(table.begins[slice as usize]);
-        let end = table.begins.get(slice as usize + 1).map_or(f64::INFINITY, |&end| f64::from(end));
-        (slice, depth - begin > error && end - depth > error)
+    pub(crate) fn of_depths_within(
+        &self,
+        depths: &[f64; 64],
+        error: f64,
+        wanted: &[u32; 64],
+    ) -> ([u32; 64], [u32; 64]) {
+        let Some(table) = &self.table else { return ([0; 64], [u32::MAX; 64]) };
+        // Depth is linear over the square that the 64 lie on: its corners bound it.
+        let corners = [depths[0], depths[7], depths[56], depths[63]];
+        let low = corners.iter().fold(f64::INFINITY, |low, d| low.min(*d));
+        let high = corners.iter().fold(f64::NEG_INFINITY, |high, d| high.max(*d));
+        let (first, last) = (table.slice(low as u32), table.slice(high as u32));
+        if last - first <= MOST_BOUNDARIES {
+            table.count_boundaries(depths, error, [first, last])
+        } else {
+            table.look_up_each(depths, error, wanted)
+        }
     }
 
     /// Bound on the rounding of a sum of terms no greater than the volume's depth, in units.
@@ -145,6 +157,40 @@ impl Slices {
 }
 
 impl Table {
+    /// The slices of depths that lie in slices `first` to `last`, by counting the boundaries that lie before them.
+    #[inline(always)]
+    fn count_boundaries(&self, depths: &[f64; 64], error: f64, [first, last]: [u32; 2]) -> ([u32; 64], [u32; 64]) {
+        let mut slices = [first; 64];
+        let mut doubtful = [0u32; 64];
+        let boundaries = self.begins.iter().skip(first as usize).take((last - first) as usize + 2);
+        for (i, boundary) in boundaries.enumerate() {
+            let boundary = f64::from(*boundary);
+            let counts = u32::from(i != 0);
+            for ((slice, doubtful), depth) in slices.iter_mut().zip(&mut doubtful).zip(depths) {
+                *slice += counts & u32::from(*depth >= boundary);
+                *doubtful |= u32::from((depth - boundary).abs() <= error).wrapping_neg();
+            }
+        }
+        // What lies behind the last slice is not told apart.
+        slices.iter_mut().for_each(|slice| *slice = (*slice).min(last));
+        (slices, doubtful)
+    }
+
+    /// The same for any depths, one by one.
+    #[cold]
+    fn look_up_each(&self, depths: &[f64; 64], error: f64, wanted: &[u32; 64]) -> ([u32; 64], [u32; 64]) {
+        let mut slices = [0; 64];
+        let mut doubtful = [0; 64];
+        for i in (0..64).filter(|&i| wanted[i] != 0) {
+            let slice = self.slice(depths[i] as u32);
+            let begin = f64::from(self.begins[slice as usize]);
+            let end = self.begins.get(slice as usize + 1).map_or(f64::INFINITY, |&end| f64::from(end));
+            slices[i] = slice;
+            doubtful[i] = u32::from(!(depths[i] - begin > error && end - depths[i] > error)).wrapping_neg();
+        }
+        (slices, doubtful)
+    }
+
     #[inline]
     fn slice(&self, step: u32) -> u32 {
         let last = self.begins.len() - 1;

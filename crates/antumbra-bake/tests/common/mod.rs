@@ -138,7 +138,7 @@ pub fn bake_for_check<'s>(scene: &'s Scene, light: &Light, options: &BakeOptions
     let casters = Casters::new(scene, caster_options).unwrap();
     let request =
         SpaceRequest { resolution: options.resolution, near_m: options.near_m, distribution: options.local_depth };
-    let space = LightSpace::new(&casters, &light, request).unwrap();
+    let space = LightSpace::new(&casters, &light, request, &antumbra_bake::never_pause).unwrap();
     let opened = space.opened_parts(&casters);
     let mut faces: Vec<Face<'s>> = (0..space.faces()).map(|_| Face::default()).collect();
     for_each_placed(&casters, &space, &opened, |face, triangle, caster| {

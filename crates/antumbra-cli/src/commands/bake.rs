@@ -94,9 +94,9 @@ pub struct Args {
 enum MethodArg {
     /// This program's own
     Columns,
-    /// Kämpe et al. 2015, for comparison
+    /// As Kämpe et al. 2015: for comparison; open and closed geometry only
     Kampe2015,
-    /// Sintorn et al. 2014, for comparison
+    /// As Sintorn et al. 2014: for comparison; open and closed geometry only
     Sintorn2014,
 }
 

@@ -3,7 +3,7 @@
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
-use xxhash_rust::xxh3::xxh3_64;
+use xxhash_rust::xxh3::Xxh3;
 
 use super::light::LightRecord;
 use super::section::{ENTRY_BYTES, Entry, HEADER_BYTES, Header, REQUIRED, table_checksum};
@@ -39,6 +39,12 @@ impl<'a> Contents<'a> {
 /// The file's bytes. The same contents give the same bytes on every machine.
 #[must_use]
 pub fn write(contents: &Contents<'_>) -> Vec<u8> {
+    write_paced(contents, &mut || {})
+}
+
+/// The same; `pause` is called between blocks of a quarter of a megabyte.
+#[must_use]
+pub fn write_paced(contents: &Contents<'_>, pause: &mut dyn FnMut()) -> Vec<u8> {
     let lights: Vec<LightRecord> = contents.lights.iter().map(|r| r.to_le()).collect();
     let pool = words_to_le(contents.pool);
     let levels = contents.levels.map(words_to_le);
@@ -51,7 +57,7 @@ pub fn write(contents: &Contents<'_>) -> Vec<u8> {
     ];
     sections.extend(levels.as_ref().map(|roots| (LEVELS, 0, bytemuck::cast_slice(roots))));
     sections.extend(contents.enters.map(|bytes| (ENTERS, 0, bytes)));
-    assemble(&sections)
+    assemble_paced(&sections, pause)
 }
 
 /// The words in little-endian order: as they are on nearly every machine.
@@ -59,8 +65,16 @@ fn words_to_le(pool: &[u32]) -> Cow<'_, [u32]> {
     if cfg!(target_endian = "little") { Cow::Borrowed(pool) } else { pool.iter().map(|w| w.to_le()).collect() }
 }
 
+/// Bytes that are copied and hashed at a time.
+const BLOCK: usize = 1 << 18;
+
 /// Header, table and sections, in the order given.
+#[cfg(test)]
 pub(crate) fn assemble(sections: &[([u8; 4], u32, &[u8])]) -> Vec<u8> {
+    assemble_paced(sections, &mut || {})
+}
+
+fn assemble_paced(sections: &[([u8; 4], u32, &[u8])], pause: &mut dyn FnMut()) -> Vec<u8> {
     let table_end = HEADER_BYTES + sections.len() * ENTRY_BYTES;
     let padded = |size: usize| size.next_multiple_of(SECTION_ALIGNMENT);
     let total = padded(table_end) + sections.iter().map(|(_, _, data)| padded(data.len())).sum::<usize>();
@@ -69,15 +83,21 @@ pub(crate) fn assemble(sections: &[([u8; 4], u32, &[u8])]) -> Vec<u8> {
     let mut table = Vec::with_capacity(sections.len() * ENTRY_BYTES);
     for &(kind, flags, data) in sections {
         bytes.resize(bytes.len().next_multiple_of(SECTION_ALIGNMENT), 0);
+        let offset = bytes.len() as u64;
+        let mut hash = Xxh3::new();
+        for block in data.chunks(BLOCK) {
+            hash.update(block);
+            bytes.extend_from_slice(block);
+            pause();
+        }
         let entry = Entry {
             kind,
             flags: flags.to_le(),
-            offset: (bytes.len() as u64).to_le(),
+            offset: offset.to_le(),
             size: (data.len() as u64).to_le(),
-            checksum: xxh3_64(data).to_le(),
+            checksum: hash.digest().to_le(),
         };
         table.extend_from_slice(bytemuck::bytes_of(&entry));
-        bytes.extend_from_slice(data);
     }
     let mut header = Header {
         magic: MAGIC,

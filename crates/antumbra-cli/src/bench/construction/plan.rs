@@ -100,7 +100,7 @@ pub fn plan<'a>(subjects: &'a [Subject], wish: &Wish) -> Vec<Combination<'a>> {
     for subject in subjects {
         for &interior in &wish.interiors {
             for resolution in resolutions(wish.smallest.texels(), wish.largest.texels()) {
-                let wanted = wanted(wish, resolution);
+                let wanted = wanted(wish, interior, resolution);
                 let combination =
                     |(technique, threads)| Combination { subject, technique, interior, resolution, threads };
                 plan.extend(wanted.into_iter().map(combination));
@@ -110,9 +110,11 @@ pub fn plan<'a>(subjects: &'a [Subject], wish: &Wish) -> Vec<Combination<'a>> {
     plan
 }
 
-/// Techniques and numbers of threads at a resolution.
-fn wanted(wish: &Wish, resolution: Resolution) -> Vec<(Technique, usize)> {
-    let fits = |technique: &Technique| *technique == Technique::Columns || resolution <= wish.largest_baseline;
+/// Techniques and numbers of threads for a policy at a resolution. The papers' methods know open and closed geometry alone.
+fn wanted(wish: &Wish, interior: Interior, resolution: Resolution) -> Vec<(Technique, usize)> {
+    let baselines_know = matches!(interior, Interior::Open | Interior::Auto | Interior::Closed);
+    let baselines_fit = baselines_know && resolution <= wish.largest_baseline;
+    let fits = |technique: &Technique| *technique == Technique::Columns || baselines_fit;
     let techniques = wish.techniques.iter().copied().filter(fits);
     let mut wanted: Vec<(Technique, usize)> = techniques.map(|technique| (technique, wish.threads)).collect();
     if wish.techniques.contains(&Technique::Columns) {
@@ -168,6 +170,13 @@ pub mod tests {
         let plan_subjects = [subject()];
         let wish = wish("4096", "512", "8192");
         assert!(plan(&plan_subjects, &wish).iter().all(|c| c.resolution.texels() == 512));
+    }
+
+    #[test]
+    fn baselines_know_open_and_closed_alone() {
+        let (subjects, mut wish) = ([subject()], wish("512", "512", "8192"));
+        wish.interiors = vec![Interior::Thickness(0.5)];
+        assert!(plan(&subjects, &wish).iter().all(|c| c.technique == Technique::Columns));
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub struct Args {
     /// Methods to measure; separate them by commas [default: all]
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     methods: Vec<Technique>,
-    /// Policies to measure (see bake --interior); separate them by commas
+    /// Policies to measure (see bake --interior; the papers' methods know open, auto and closed); separate them by commas
     #[arg(long, value_name = "POLICIES", value_delimiter = ',', value_parser = args::parse_interior, default_value = "open,auto")]
     interiors: Vec<Interior>,
     /// First resolution; each further one is twice the last
