@@ -131,7 +131,6 @@ impl Lights<'_> {
         LightSpace::new(casters, light, request, &|| self.progress.pause())
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a light is made of, once")]
     fn build_faces(
         self,
         light: &Light,

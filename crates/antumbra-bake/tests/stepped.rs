@@ -1,4 +1,5 @@
 //! Stepped bakes: the bytes of ordinary ones, in many steps, one after the other, and cancelled.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -123,7 +123,6 @@ fn map_tile(
 }
 
 /// Builds a map tile's squares side by side, merges each one's nodes, and adds them.
-#[expect(clippy::too_many_arguments, reason = "what a tile is made of, once")]
 fn squares(
     request: Request<'_>,
     voxels: &impl Voxels,

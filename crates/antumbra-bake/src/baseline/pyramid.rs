@@ -13,8 +13,8 @@ pub(super) struct Pyramid {
 
 impl Pyramid {
     /// Over `4^log2` blocks.
-    pub fn new(log2: u32, block: impl Fn(usize) -> [u32; 2] + Sync) -> Self {
-        let finest: Vec<[u32; 2]> = (0..1usize << (2 * log2)).into_par_iter().map(|i| block(i)).collect();
+    pub fn new(log2: u32, block: impl Fn(usize) -> [u32; 2] + Send + Sync) -> Self {
+        let finest: Vec<[u32; 2]> = (0..1usize << (2 * log2)).into_par_iter().map(block).collect();
         let mut levels = vec![finest];
         for log2_side in (0..log2).rev() {
             let finer = &levels[levels.len() - 1];

@@ -5,15 +5,15 @@
 //! of our own leaves: the same lattice, the same slices, the same alpha masks.
 //!
 //! The exit depth is found by depth peeling (Kämpe et al. 2015, section 3.3): pass after pass finds, for each ray still inside
-//! solids, the surface behind the last one, by drawing the bin's triangles again. Where the paper peels front and back
-//! faces apart, a pass here takes all surfaces of the next slice and adds up their windings; so overlapping, touching and
-//! nested solids come out as everywhere else in this crate.
+//! solids, the surface behind the last one. Where the paper draws all triangles in every pass, a bin's are drawn once and
+//! what they show is kept. Where it peels front and back faces apart, a pass here takes all surfaces of the next slice and
+//! adds up their windings; so overlapping, touching and nested solids come out as everywhere else in this crate.
 
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::pyramid::Pyramid;
-use crate::columns::{Block, Build};
+use crate::columns::{Block, Build, mask, select};
 use crate::light_space::Resolution;
 
 /// Texels per side of a bin.
@@ -45,20 +45,20 @@ pub(super) struct DepthMaps {
     pub log2_blocks: u32,
 }
 
-/// A bin's rays between two passes.
-struct Bin {
-    /// The last surface's slice.
-    current: [[u32; 64]; BLOCKS],
-    winding: [[u32; 64]; BLOCKS],
-    /// Masks of rays that are inside a solid.
-    inside: [[u32; 64]; BLOCKS],
-}
-
-/// The nearest surfaces of a pass.
+/// The nearest surfaces of a pass over a bin.
 struct Nearest {
     slice: [[u32; 64]; BLOCKS],
     /// Sum of windings at that slice.
     winding: [[u32; 64]; BLOCKS],
+}
+
+/// A bin's rays between two passes.
+struct Rays {
+    /// The last surface's slice plus 1; nothing is met before.
+    behind: [[u32; 64]; BLOCKS],
+    winding: [[u32; 64]; BLOCKS],
+    /// Masks of rays that are inside a solid.
+    inside: [[u32; 64]; BLOCKS],
 }
 
 impl DepthMaps {
@@ -87,8 +87,8 @@ impl DepthMaps {
         let log2_blocks = (tile.side / BLOCK).ilog2();
         let mut enter = vec![[NEVER; 64]; 1 << (2 * log2_blocks)];
         bins.for_each_row(&mut enter, |bin, rows| {
-            let nearest = Pass { build, bins, bin, behind: None }.run();
-            for (block, slices) in nearest.slice.iter().enumerate() {
+            let first = build.arch().dispatch(FirstSurfaces { build, bins, bin });
+            for (block, slices) in first.iter().enumerate() {
                 let enter = slices.map(|slice| if slice == NEVER { NEVER } else { slice + 1 });
                 if let Some(grid) = build.enters {
                     let [x, y] = bins.first_texel(bin);
@@ -109,7 +109,7 @@ impl DepthMaps {
         bins.for_each_row(&mut exit, |bin, rows| {
             let mut enter = [[NEVER; 64]; BLOCKS];
             (0..BLOCKS).for_each(|block| enter[block] = *rows.block(bin, block));
-            let peeled = peel(build, bins, bin, &enter);
+            let peeled = build.arch().dispatch(Peel { build, bins, bin, enter: &enter });
             (0..BLOCKS).for_each(|block| *rows.block(bin, block) = peeled[block]);
             (build.pause)();
         });
@@ -117,74 +117,113 @@ impl DepthMaps {
     }
 }
 
-/// The exit depths of a bin, given its enter depths.
-fn peel(build: &Build<'_>, bins: &Bins, bin: usize, enter: &[[u32; 64]; BLOCKS]) -> [[u32; 64]; BLOCKS] {
-    let mut exit = *enter;
-    let mut rays = Bin { current: [[0; 64]; BLOCKS], winding: [[0; 64]; BLOCKS], inside: [[u32::MAX; 64]; BLOCKS] };
-    // The first pass meets the first surfaces again, for their windings.
-    let mut nearest = Pass { build, bins, bin, behind: None }.run();
-    loop {
-        let mut any = 0;
-        for block in 0..BLOCKS {
-            for i in 0..64 {
-                let (inside, slice) = (rays.inside[block][i] != 0, nearest.slice[block][i]);
-                let winding = rays.winding[block][i].wrapping_add(nearest.winding[block][i]);
-                let leaves = inside && (slice == NEVER || winding as i32 <= 0);
-                if leaves {
-                    // A ray that never leaves is free to its end.
-                    exit[block][i] = if slice == NEVER { NEVER } else { slice.max(enter[block][i]) };
-                }
-                rays.inside[block][i] = if inside && !leaves { u32::MAX } else { 0 };
-                rays.winding[block][i] = winding;
-                rays.current[block][i] = slice;
-                any |= rays.inside[block][i];
-            }
-        }
-        if any == 0 {
-            return exit;
-        }
-        nearest = Pass { build, bins, bin, behind: Some(&rays) }.run();
-    }
-}
-
-/// One pass over a bin's triangles: for each ray the nearest surface, or the nearest behind its last one.
-struct Pass<'a> {
+/// Peels a bin: its exit depths, given its enter depths. What the triangles show is drawn once and kept: each pass looks for
+/// the next surface in it.
+struct Peel<'a> {
     build: &'a Build<'a>,
     bins: &'a Bins,
     bin: usize,
-    behind: Option<&'a Bin>,
+    enter: &'a [[u32; 64]; BLOCKS],
 }
 
-impl Pass<'_> {
-    fn run(self) -> Nearest {
-        self.build.arch().dispatch(self)
+impl WithSimd for Peel<'_> {
+    type Output = [[u32; 64]; BLOCKS];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut exit = *self.enter;
+        let nothing = [[0; 64]; BLOCKS];
+        let mut rays = Rays { behind: nothing, winding: nothing, inside: [[u32::MAX; 64]; BLOCKS] };
+        let mut drawn: Vec<(usize, Block)> = Vec::new();
+        self.bins.for_each_fragment(self.build, self.bin, |block, fragment| drawn.push((block, fragment)));
+        let mut left: Vec<u32> = (0..drawn.len() as u32).collect();
+        loop {
+            let nearest = rays.next_surfaces(left.iter().map(|&i| &drawn[i as usize]));
+            if !rays.pass(&nearest, self.enter, &mut exit) {
+                return exit;
+            }
+            // Open surfaces count only where they come first; what lies in front of all rays is passed.
+            left.retain(|&i| {
+                let (block, fragment) = &drawn[i as usize];
+                fragment.winding != 0 && rays.may_meet(*block, fragment)
+            });
+        }
     }
 }
 
-impl WithSimd for Pass<'_> {
-    type Output = Nearest;
-
+impl Rays {
+    /// For each ray that is inside, the nearest surface that it has not met.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Nearest {
+    fn next_surfaces<'a>(&self, drawn: impl Iterator<Item = &'a (usize, Block)>) -> Nearest {
         let mut nearest = Nearest { slice: [[NEVER; 64]; BLOCKS], winding: [[0; 64]; BLOCKS] };
-        let (first, resolution) = (self.bins.first_texel(self.bin), self.build.resolution());
-        for &triangle in self.bins.triangles(self.bin) {
-            for block in self.bins.blocks_of(self.build, triangle, first, resolution) {
-                let texel = [first[0] + BLOCK * (block as u32 % 8), first[1] + BLOCK * (block as u32 / 8)];
-                let wanted = self.behind.map_or([u32::MAX; 64], |rays| rays.inside[block]);
-                let Some(drawn) = Block::draw(self.build, triangle, texel, &wanted) else { continue };
-                let (slices, windings) = (&mut nearest.slice[block], &mut nearest.winding[block]);
-                for i in 0..64 {
-                    let slice = drawn.slices[i];
-                    let is_behind = self.behind.is_none_or(|rays| slice > rays.current[block][i]);
-                    let counts = drawn.covered[i] != 0 && is_behind && slice <= slices[i];
-                    let sum = if slice < slices[i] { 0 } else { windings[i] };
-                    windings[i] = if counts { sum.wrapping_add(drawn.winding as u32) } else { windings[i] };
-                    slices[i] = if counts { slice } else { slices[i] };
-                }
+        for (block, fragment) in drawn {
+            let (inside, behind) = (&self.inside[*block], &self.behind[*block]);
+            let (slices, windings) = (&mut nearest.slice[*block], &mut nearest.winding[*block]);
+            for i in 0..64 {
+                let slice = fragment.slices[i];
+                let is_met =
+                    mask(fragment.covered[i] & inside[i] != 0) & mask(slice >= behind[i]) & mask(slice <= slices[i]);
+                let sum = windings[i] & mask(slice == slices[i]);
+                windings[i] = select(is_met, sum.wrapping_add(fragment.winding as u32), windings[i]);
+                slices[i] = select(is_met, slice, slices[i]);
             }
         }
         nearest
+    }
+
+    /// Moves all rays behind their next surfaces; whether any is still inside a solid. Of those that leave, the exit is set; a
+    /// ray that never leaves is free to its end.
+    #[inline(always)]
+    fn pass(&mut self, nearest: &Nearest, enter: &[[u32; 64]; BLOCKS], exit: &mut [[u32; 64]; BLOCKS]) -> bool {
+        let mut any = 0;
+        for block in 0..BLOCKS {
+            for i in 0..64 {
+                let (inside, slice) = (self.inside[block][i], nearest.slice[block][i]);
+                let winding = self.winding[block][i].wrapping_add(nearest.winding[block][i]);
+                let leaves = inside & (mask(slice == NEVER) | mask(winding as i32 <= 0));
+                let at = slice.max(enter[block][i]);
+                exit[block][i] = select(leaves, at, exit[block][i]);
+                self.inside[block][i] = inside & !leaves;
+                self.winding[block][i] = winding;
+                self.behind[block][i] = slice.saturating_add(1);
+                any |= inside & !leaves;
+            }
+        }
+        any != 0
+    }
+
+    /// Whether a ray that is inside a solid may yet meet a fragment.
+    #[inline(always)]
+    fn may_meet(&self, block: usize, fragment: &Block) -> bool {
+        let (inside, behind) = (&self.inside[block], &self.behind[block]);
+        let mut any = 0;
+        for i in 0..64 {
+            any |= inside[i] & fragment.covered[i] & mask(fragment.slices[i] >= behind[i]);
+        }
+        any != 0
+    }
+}
+
+/// Draws a bin's first surfaces.
+struct FirstSurfaces<'a> {
+    build: &'a Build<'a>,
+    bins: &'a Bins,
+    bin: usize,
+}
+
+impl WithSimd for FirstSurfaces<'_> {
+    /// Slices by block.
+    type Output = [[u32; 64]; BLOCKS];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut slices = [[NEVER; 64]; BLOCKS];
+        self.bins.for_each_fragment(self.build, self.bin, |block, fragment| {
+            for (slice, (new, covered)) in slices[block].iter_mut().zip(fragment.slices.iter().zip(fragment.covered)) {
+                *slice = (*slice).min(*new | !covered);
+            }
+        });
+        slices
     }
 }
 
@@ -263,6 +302,20 @@ impl Bins {
     fn first_texel(&self, bin: usize) -> [u32; 2] {
         let mask = (1 << self.log2) - 1;
         [self.tile.x + BIN * (bin as u32 & mask), self.tile.y + BIN * (bin as u32 >> self.log2)]
+    }
+
+    /// Calls `each` with what every triangle of a bin shows in every block.
+    #[inline(always)]
+    fn for_each_fragment(&self, build: &Build<'_>, bin: usize, mut each: impl FnMut(usize, Block)) {
+        let (first, resolution) = (self.first_texel(bin), build.resolution());
+        for &triangle in self.triangles(bin) {
+            for block in self.blocks_of(build, triangle, first, resolution) {
+                let texel = [first[0] + BLOCK * (block as u32 % 8), first[1] + BLOCK * (block as u32 / 8)];
+                if let Some(fragment) = Block::draw(build, triangle, texel, &[u32::MAX; 64]) {
+                    each(block, fragment);
+                }
+            }
+        }
     }
 
     /// The blocks of a bin that a triangle's box touches.

@@ -8,13 +8,13 @@ pub(super) type Lanes = [u32; TEXELS];
 
 /// All bits where the condition holds, else none.
 #[inline(always)]
-pub(super) fn mask(condition: bool) -> u32 {
+pub(crate) fn mask(condition: bool) -> u32 {
     u32::from(condition).wrapping_neg()
 }
 
 /// `a` where the mask is set, else `b`.
 #[inline(always)]
-pub(super) fn select(mask: u32, a: u32, b: u32) -> u32 {
+pub(crate) fn select(mask: u32, a: u32, b: u32) -> u32 {
     (a & mask) | (b & !mask)
 }
 
@@ -81,12 +81,8 @@ pub(super) fn bits(mask: &Lanes) -> u64 {
             }
         }
     }
-    let mut words = [0u32; 2];
-    for i in 0..8 {
-        words[0] |= eight[0][i];
-        words[1] |= eight[1][i];
-    }
-    u64::from(words[0]) | (u64::from(words[1]) << 32)
+    let word = |lanes: &[u32; 8]| u64::from(lanes.iter().fold(0, |word, lane| word | lane));
+    word(&eight[0]) | (word(&eight[1]) << 32)
 }
 
 /// The mask whose lane i is set where bit i is.

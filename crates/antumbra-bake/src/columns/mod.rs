@@ -31,4 +31,5 @@ pub use build::{Build, BuildError, build};
 pub use cutout::{Cutout, CutoutCorners};
 pub use enters::EnterGrid;
 pub use freedom::{Freedom, Shift};
+pub(crate) use lanes::{mask, select};
 pub use triangle::BuildTriangle;

@@ -147,7 +147,7 @@ impl Rays {
 
     #[inline(always)]
     fn meet_row(&mut self, row: &Row, next: &Lanes, seeks: u32) {
-        for i in 0..TEXELS {
+        for (i, next) in next.iter().enumerate() {
             let slice = row.slice[i];
             let here = mask(slice != ABSENT) & (self.outside[i] | self.inside[i] | self.seeking[i]);
             let winding = self.winding[i].wrapping_add((row.payload[i] & 3).wrapping_sub(1) & here);
@@ -162,7 +162,7 @@ impl Rays {
             self.outside[i] &= !enters;
             self.seeking[i] = (self.seeking[i] & !is_second) | (enters & seeks);
             let inside = self.inside[i] | enters;
-            let leaves = here & inside & mask(next[i] != slice) & mask(winding as i32 <= 0);
+            let leaves = here & inside & mask(*next != slice) & mask(winding as i32 <= 0);
             self.exit[i] = select(leaves, slice.max(enter), self.exit[i]);
             self.inside[i] = inside & !leaves;
         }
