@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use antumbra::{DepthDistribution, Interior};
 use antumbra_bake::BakeOptions;
+use antumbra_bake::casters::{Blend, CasterOptions, Casters, Inverted};
 use antumbra_scene::{AlphaMode, Image, Light, Material, Scene, TextureRef, Wrap};
 use common::{TestMesh, bake_for_check, check_all, cuboid, lamp, options, scene, spot, sun, turned};
 use glam::{DAffine3, DVec3};
@@ -163,6 +164,60 @@ fn assert_agrees(meshes: &[TestMesh], light: &Light, interior: Interior) {
     for resolution in [64, 256] {
         check_all(&bake_for_check(&scene, light, &options(interior, resolution, 1))).unwrap();
     }
+}
+
+/// A box whose sides are grids of n x n cells.
+fn fine_cuboid(half: f64, n: u32) -> TestMesh {
+    let (corners, sides) = cuboid([0.0; 3], [half; 3], 0.3);
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for side in sides.chunks(2) {
+        let [a, b, c, d] =
+            [side[0][0], side[0][1], side[0][2], side[1][2]].map(|i| glam::Vec3::from_array(corners[i as usize]));
+        let first = positions.len() as u32;
+        for i in 0..(n + 1) * (n + 1) {
+            let (u, v) = ((i % (n + 1)) as f32 / n as f32, (i / (n + 1)) as f32 / n as f32);
+            // The same number on an edge from either side.
+            let edge = |from: glam::Vec3, to: glam::Vec3, t: f32| {
+                if from.to_array() < to.to_array() { from + (to - from) * t } else { to + (from - to) * (1.0 - t) }
+            };
+            let p = if v == 0.0 {
+                edge(a, b, u)
+            } else if v == 1.0 {
+                edge(d, c, u)
+            } else if u == 0.0 {
+                edge(a, d, v)
+            } else if u == 1.0 {
+                edge(b, c, v)
+            } else {
+                a + (b - a) * u + (d - a) * v
+            };
+            positions.push(p.to_array());
+        }
+        for i in 0..n * n {
+            let at = first + i / n * (n + 1) + i % n;
+            triangles.extend([[at, at + 1, at + n + 2], [at, at + n + 2, at + n + 1]]);
+        }
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn a_lamp_far_from_all_walls_of_the_solid_about_it() {
+    // The solid's triangles lie in many chunks, none of them near the lamp.
+    let scene = scene(vec![fine_cuboid(1.0, 20)], DAffine3::IDENTITY);
+    let caster_options =
+        CasterOptions { find_solids: true, inverted: Inverted::Open, blend: Blend::Skip, memory_limit: u64::MAX };
+    let casters = Casters::new(&scene, caster_options).unwrap();
+    assert_eq!(casters.counts.closed, 4800);
+    let opened = |at: DVec3| casters.opened_parts(at, [DVec3::X, DVec3::Y, DVec3::Z], 1e-3).count();
+    for at in [[0.0; 3], [0.5, 0.1, -0.4], [-0.6, -0.7, 0.2]] {
+        assert_eq!(opened(DVec3::from_array(at)), 1, "{at:?}");
+    }
+    // Within the solid's box, but outside it: it is turned.
+    for at in [[1.25, 0.0, 1.25], [-1.25, 0.3, -1.25], [3.0, 0.0, 0.0]] {
+        assert_eq!(opened(DVec3::from_array(at)), 0, "{at:?}");
+    }
+    assert_agrees(&[fine_cuboid(1.0, 20)], &lamp([0.1, 0.2, -0.3], 4.0), Interior::Auto);
 }
 
 const POLICIES: [Interior; 4] = [Interior::Open, Interior::Auto, Interior::Thickness(0.07), Interior::Static(0.02)];

@@ -8,7 +8,7 @@ use antumbra_scene::Bounds;
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
-use super::Casters;
+use super::{CasterTriangle, Casters};
 
 /// Closed parts that bound no solid for a light.
 #[derive(Clone, Debug, Default)]
@@ -44,15 +44,21 @@ impl Casters<'_> {
         if candidates.is_empty() {
             return opened;
         }
-        let mut windings: Vec<(u32, i32)> = Vec::new();
+        let candidate = |triangle: &CasterTriangle<'_>| triangle.part.filter(|part| candidates.contains(part));
         self.for_each_near(&near, |triangle| {
-            let Some(part) = triangle.part.filter(|part| candidates.contains(part)) else { return };
-            let corners = triangle.corners.map(|c| c - position_world);
-            let in_light = corners.map(|c| axes.map(|axis| axis.dot(c)));
+            let Some(part) = candidate(&triangle) else { return };
+            let in_light = triangle.corners.map(|c| axes.map(|axis| axis.dot(c - position_world)));
             if touches_box(&in_light, half_side_m) {
                 opened.parts.insert(part);
             }
-            let winding = crossing(&corners);
+        });
+        // Along x, from the light to behind all candidates.
+        let mut ray = Bounds { min: position_world, max: position_world };
+        candidates.iter().for_each(|part| ray.max.x = ray.max.x.max(self.part_bounds[*part as usize].max.x));
+        let mut windings: Vec<(u32, i32)> = Vec::new();
+        self.for_each_near(&ray, |triangle| {
+            let Some(part) = candidate(&triangle) else { return };
+            let winding = crossing(&triangle.corners.map(|c| c - position_world));
             if winding != 0 {
                 windings.push((part, winding));
             }
