@@ -15,7 +15,7 @@ pub(super) type Pattern = [u64; 8];
 /// Slices that a pattern may span.
 const SPAN: u32 = 256;
 /// Runs remembered at most; then the memory starts afresh.
-const MOST_RUNS: usize = 1 << 19;
+const MOST_RUNS: usize = 1 << 17;
 
 /// A remembered column, and the block of its tile's size from which its boundaries count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

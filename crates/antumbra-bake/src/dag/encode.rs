@@ -43,8 +43,9 @@ pub fn encode(
 ) -> Result<Encoded, EncodeError> {
     let tables_bytes = tables.bytes();
     let fits = |bytes: u64| if bytes <= memory_limit { Ok(()) } else { Err(EncodeError::MemoryLimit) };
-    // A word, a share and an entry in the order, and in a stretch's, for every key of some 40 bytes with its slots.
-    let order_bytes = tables_bytes / 3 * 2;
+    // A word, a share and an entry in the order, and in a stretch's, for every key of some 40 bytes with its slots, which
+    // are given back.
+    let order_bytes = tables_bytes / 5 * 2;
     fits(tables_bytes + order_bytes)?;
     let order = Order::new(tables, roots, pause).ok_or(EncodeError::Cancelled)?;
     let words = order.words() + POOL_HEADER_WORDS as u64;
