@@ -443,6 +443,9 @@ fn finish(
     contents.levels = options.levels.then_some(&encoded.roots[light_roots..]);
     contents.enters = options.enter_depths.then_some(&enters[..]);
     let bytes = write_paced(&contents, &mut || _ = progress.pause());
+    if !progress.pause() {
+        return Err(BakeError::Cancelled);
+    }
     Ok(Baked {
         bytes,
         lights: reports,

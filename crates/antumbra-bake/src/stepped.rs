@@ -13,6 +13,9 @@ use antumbra_scene::{Light, Scene};
 
 use crate::bake::{BakeError, BakeOptions, Baked, Progress, Stopwatch, bake_lights, check, judge_casters, pool};
 
+/// A budget that is as good as endless.
+const LONGEST: Duration = Duration::from_secs(1 << 30);
+
 /// How a step has left a bake.
 #[derive(Debug)]
 pub enum Step {
@@ -138,7 +141,9 @@ impl SteppedBaker {
     pub fn step(&mut self, budget: Duration) -> Step {
         let Some(current) = self.current else { return Step::Idle };
         let mut state = self.gate.lock();
-        state.until = Instant::now() + budget;
+        // A time that no clock shows is never.
+        let now = Instant::now();
+        state.until = now.checked_add(budget).unwrap_or(now + LONGEST);
         state.has_turn = true;
         state.resting = false;
         self.gate.changed.notify_all();

@@ -8,29 +8,12 @@ use antumbra::Interior;
 use antumbra_bake::{BakeError, BakeOptions, Method, Silent, bake};
 use antumbra_scene::procedural::{self, Options};
 use antumbra_scene::{Light, Scene};
-use common::{TestMesh as Mesh, bake_for_check, check_all, cuboid, lamp, options, scene, spot, sun, turned};
+use common::{TestMesh as Mesh, bake_for_check, check_all, cuboid, lamp, options, scene, solid, soup, spot, sun};
 use glam::DAffine3;
 use proptest::prelude::*;
 
-fn soup() -> impl Strategy<Value = Mesh> {
-    let whole = prop::array::uniform3(prop::array::uniform3(-1.0f32..1.0));
-    prop::collection::vec(whole, 1..12).prop_map(|triangles| {
-        let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        (triangles.into_iter().flatten().collect(), indices)
-    })
-}
-
-fn solid() -> impl Strategy<Value = Mesh> {
-    let on_grid = (prop::array::uniform3(-4i32..=4), prop::array::uniform3(1i32..=4))
-        .prop_map(|(c, h)| cuboid(c.map(|c| f64::from(c) * 0.25), h.map(|h| f64::from(h) * 0.125), 0.0));
-    let free = (prop::array::uniform3(-1.0f64..1.0), prop::array::uniform3(0.01f64..0.7), 0.0f64..3.2)
-        .prop_map(|(c, h, turn)| cuboid(c, h, turn));
-    (prop_oneof![on_grid, free], prop::bool::weighted(0.2))
-        .prop_map(|(mesh, turn)| if turn { turned(mesh) } else { mesh })
-}
-
 fn meshes() -> impl Strategy<Value = Vec<Mesh>> {
-    (prop::collection::vec(solid(), 0..6), soup()).prop_map(|(mut meshes, soup)| {
+    (prop::collection::vec(solid(), 0..6), soup(12)).prop_map(|(mut meshes, soup)| {
         meshes.push(soup);
         meshes
     })

@@ -10,29 +10,11 @@ use antumbra::{DepthDistribution, Interior};
 use antumbra_bake::BakeOptions;
 use antumbra_bake::casters::{Blend, CasterOptions, Casters, Inverted};
 use antumbra_scene::{AlphaMode, Image, Light, Material, Scene, TextureRef, Wrap};
-use common::{TestMesh, bake_for_check, check_all, cuboid, lamp, options, scene, spot, sun, turned};
+use common::{
+    TestMesh, bake_for_check, check_all, cuboid, lamp, loose, options, scene, solid, soup, spot, sun, turned,
+};
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
-
-/// Triangles anywhere.
-fn soup() -> impl Strategy<Value = TestMesh> {
-    let corner = prop_oneof![
-        3 => prop::array::uniform3(-1.0f32..1.0),
-        1 => prop::array::uniform3((-4i32..=4).prop_map(|c| c as f32 * 0.25)),
-    ];
-    prop::collection::vec(prop::array::uniform3(corner), 1..16).prop_map(|triangles| {
-        let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        (triangles.into_iter().flatten().collect(), indices)
-    })
-}
-
-fn solid() -> impl Strategy<Value = TestMesh> {
-    let on_grid = (prop::array::uniform3(-4i32..=4), prop::array::uniform3(1i32..=4))
-        .prop_map(|(c, h)| cuboid(c.map(|c| f64::from(c) * 0.25), h.map(|h| f64::from(h) * 0.125), 0.0));
-    let free = (prop::array::uniform3(-1.0f64..1.0), prop::array::uniform3(0.01f64..0.5), 0.0f64..3.2)
-        .prop_map(|(c, h, turn)| cuboid(c, h, turn));
-    (prop_oneof![on_grid, free], prop::bool::weighted(0.15)).prop_map(|(m, turn)| if turn { turned(m) } else { m })
-}
 
 /// A wavy sheet of many triangles that share their edges.
 fn sheet() -> impl Strategy<Value = TestMesh> {
@@ -51,7 +33,7 @@ fn sheet() -> impl Strategy<Value = TestMesh> {
 
 fn meshes() -> impl Strategy<Value = Vec<TestMesh>> {
     let few_solids = prop::collection::vec(solid(), 0..4);
-    (few_solids, prop::option::of(soup()), prop::option::of(sheet())).prop_map(|(mut meshes, soup, sheet)| {
+    (few_solids, prop::option::of(soup(16)), prop::option::of(sheet())).prop_map(|(mut meshes, soup, sheet)| {
         meshes.extend(soup);
         meshes.extend(sheet);
         meshes
@@ -199,6 +181,63 @@ fn fine_cuboid(half: f64, n: u32) -> TestMesh {
         }
     }
     (positions, triangles)
+}
+
+#[test]
+fn more_triangles_in_a_texel_than_lists_are_looked_at() {
+    // Some 20,000 specks over few texels, before and behind a sheet; a leaf's list is as long.
+    let speck = |i: u32| {
+        let share = |k: u32| f32::from((i.wrapping_mul(k) >> 7) as u16 % 1000) / 1000.0;
+        let [x, y, z] = [0.2 + 0.02 * share(7919), share(104_729) - 0.5, 0.2 + 0.02 * share(15_485_863)];
+        [[x, y, z], [x + 0.05, y + 0.002, z], [x, y - 0.001, z + 0.05]]
+    };
+    let specks = loose((0..20_000).map(speck).collect());
+    let sheet = loose(vec![
+        [[-1.0, 0.1, -1.0], [1.0, 0.0, -1.0], [-1.0, -0.1, 1.0]],
+        [[1.0, 0.0, -1.0], [1.0, 0.1, 1.0], [-1.0, -0.1, 1.0]],
+    ]);
+    for light in [sun([0.2, -0.9, 0.1]), lamp([0.3, 1.5, 0.2], 4.0)] {
+        for interior in POLICIES {
+            let scene = scene(vec![specks.clone(), sheet.clone()], DAffine3::IDENTITY);
+            check_all(&bake_for_check(&scene, &light, &options(interior, 64, 1))).unwrap();
+        }
+    }
+}
+
+#[test]
+fn sheets_close_behind_one_another() {
+    // Decals off a slanted wall and off a solid: faces are told by planes, where depth intervals overlap. The margin
+    // reaches some seconds surfaces, and not others.
+    let quad = |height: f32, half: f32| {
+        let corner = |x: f32, z: f32| [half * x, height + 0.4 * half * x + 0.2 * half * z, half * z];
+        loose(vec![
+            [corner(-1.0, -1.0), corner(1.0, -1.0), corner(-1.0, 1.0)],
+            [corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+        ])
+    };
+    let meshes = vec![
+        quad(0.0, 1.0),
+        quad(-0.004, 1.0),
+        quad(0.006, 0.5),
+        quad(-0.1, 0.9),
+        quad(-0.4, 0.8),
+        cuboid([0.1, -0.6, 0.2], [0.6, 0.1, 0.5], 0.4),
+        quad(0.0, 1.0),
+    ];
+    for light in [
+        sun([0.37, -0.81, 0.45]),
+        sun([0.0, -1.0, 0.0]),
+        lamp([0.2, 1.0, -0.3], 4.0),
+        spot([0.1, 1.2, 0.1], [0.1, -1.0, 0.0], 50.0, 4.0),
+    ] {
+        for interior in [Interior::Open, Interior::Auto, Interior::Static(0.02), Interior::Static(0.2)] {
+            let scene = scene(meshes.clone(), DAffine3::IDENTITY);
+            for resolution in [64, 512] {
+                let checked = bake_for_check(&scene, &light, &options(interior, resolution, 2));
+                check_all(&checked).unwrap_or_else(|e| panic!("{interior:?} at {resolution}: {e}"));
+            }
+        }
+    }
 }
 
 #[test]

@@ -9,6 +9,8 @@
 //! Where the time goes: at small resolutions of closed scenes in peeling exit depths, as in the paper; of open ones in
 //! inserting and merging nodes along the surfaces.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::pyramid::Pyramid;
@@ -26,17 +28,30 @@ pub(super) struct Masks {
 }
 
 impl Masks {
-    /// The fewest masks of every block.
-    pub fn new(maps: &DepthMaps, slices: u32) -> Self {
+    /// The fewest masks of every block; `None` if they take more than so many bytes while they are made.
+    pub fn new(maps: &DepthMaps, slices: u32, limit: u64) -> Option<Self> {
         let exit = maps.exit.as_ref().unwrap_or(&maps.enter);
-        let of_block: Vec<Vec<(u32, u64)>> =
-            maps.enter.par_iter().zip(exit).map(|(enter, exit)| Block::stab(*enter, *exit, slices)).collect();
-        let mut begins = Vec::with_capacity(of_block.len() + 1);
+        let row = 1 << maps.log2_blocks;
+        let taken = AtomicU64::new(4 * maps.enter.len() as u64);
+        // Row by row: how many masks each block has, and all of them.
+        let rows = maps.enter.par_chunks(row).zip(exit.par_chunks(row)).map(|(enter, exit)| {
+            let (mut lengths, mut masks) = (Vec::with_capacity(row), Vec::new());
+            for (enter, exit) in enter.iter().zip(exit) {
+                let of_block = Block::stab(*enter, *exit, slices);
+                lengths.push(of_block.len() as u32);
+                masks.extend(of_block);
+            }
+            // They are there twice for a moment, and arrays that grow have room to spare.
+            let bytes = 3 * size_of_val(&masks[..]) as u64;
+            (taken.fetch_add(bytes, Ordering::Relaxed) + bytes <= limit).then_some((lengths, masks))
+        });
+        let rows = rows.collect::<Option<Vec<_>>>()?;
+        let mut begins = Vec::with_capacity(maps.enter.len() + 1);
         begins.push(0);
-        for masks in &of_block {
-            begins.push(begins[begins.len() - 1] + masks.len() as u32);
-        }
-        Self { begins, masks: of_block.concat(), log2_blocks: maps.log2_blocks }
+        rows.iter().flat_map(|(lengths, _)| lengths).for_each(|length| begins.push(begins[begins.len() - 1] + length));
+        let mut masks = Vec::with_capacity(begins[begins.len() - 1] as usize);
+        rows.into_iter().for_each(|(_, of_row)| masks.extend(of_row));
+        Some(Self { begins, masks, log2_blocks: maps.log2_blocks })
     }
 
     fn of_block(&self, block: usize) -> &[(u32, u64)] {

@@ -47,14 +47,12 @@ pub(crate) struct Request<'a> {
     pub cull_identical: bool,
     /// Whether any triangle bounds a solid.
     pub has_solids: bool,
-    /// log2 of a map tile's texels per side, at most.
-    pub map_log2: u32,
 }
 
 impl<'a> Request<'a> {
     pub fn new(build: &'a Build<'a>, method: Method, cull_identical: bool) -> Self {
         let has_solids = build.triangles.iter().any(|t| t.winding() != 0);
-        Self { build, method, cull_identical, has_solids, map_log2: MAP_LOG2 }
+        Self { build, method, cull_identical, has_solids }
     }
 }
 
@@ -64,7 +62,7 @@ impl<'a> Request<'a> {
 /// [`BuildError`]; memory is judged by an estimate before it is taken, and while nodes are inserted.
 pub(crate) fn build(request: Request<'_>) -> Result<(Id, Vec<Stage>), BuildError> {
     let log2 = request.build.resolution().log2();
-    let map_log2 = request.map_log2.min(log2);
+    let map_log2 = MAP_LOG2.min(log2);
     let square_log2 = SQUARE_LOG2.max(log2.saturating_sub(MOST_SQUARES_LOG2)).min(map_log2);
     let mut clock = Stopwatch::start();
     let mut graph = Graph::new(log2);
@@ -78,11 +76,16 @@ pub(crate) fn build(request: Request<'_>) -> Result<(Id, Vec<Stage>), BuildError
     }
     let mut root = [upper_levels(&mut graph, &roots, square_log2)];
     clock.lap("inserting nodes");
+    // Merging sorts a copy of one level's nodes with their places; handing over makes them a second time.
+    let tables = request.build.tables;
+    if tables.bytes() + 5 * (graph.bytes() / 2) > request.build.memory_limit {
+        return Err(BuildError::MemoryLimit);
+    }
     graph.merge(&mut root, log2);
     clock.lap("merging nodes");
-    let root = graph.hand_over(request.build.tables, root[0], log2);
+    let root = graph.hand_over(tables, root[0], log2);
     clock.lap("handing over");
-    Ok((root, clock.stages))
+    if tables.are_full() { Err(BuildError::TooManyNodes) } else { Ok((root, clock.stages)) }
 }
 
 /// Adds a map tile's squares to the graph.
@@ -95,10 +98,10 @@ fn map_tile(
     clock: &mut Stopwatch,
 ) -> Result<(), BuildError> {
     let Request { build, has_solids, .. } = request;
-    let bins = Bins::new(build, tile);
     let limit = build.memory_limit.saturating_sub(graph.bytes() + build.tables.bytes());
-    let maps_bytes = DepthMaps::bytes(tile.side, has_solids, bins.length());
+    let maps_bytes = DepthMaps::bytes(tile.side, has_solids);
     let left = limit.checked_sub(maps_bytes).ok_or(BuildError::MemoryLimit)?;
+    let bins = Bins::new(build, tile, left).ok_or(BuildError::MemoryLimit)?;
     let mut maps = DepthMaps::draw_enter(build, tile, &bins);
     let is_2014 = request.method == Method::Sintorn2014;
     clock.lap(if is_2014 { "depth map" } else { "enter depth map" });
@@ -113,7 +116,7 @@ fn map_tile(
         clock.lap("min-max");
         return squares(request, &voxels, tile, square_log2, left, graph, roots, clock);
     }
-    let masks = Masks::new(&maps, slices);
+    let masks = Masks::new(&maps, slices, left).ok_or(BuildError::MemoryLimit)?;
     clock.lap("visibility masks");
     let voxels = Kampe2015::new(masks, maps.pyramid());
     drop(maps);
@@ -212,7 +215,7 @@ mod tests {
             };
             let maps = || DepthMaps { enter: (0..64).map(block).collect(), exit: None, log2_blocks: 3 };
             let expected = cubes(&depths);
-            let kampe = Kampe2015::new(Masks::new(&maps(), SIDE), maps().pyramid());
+            let kampe = Kampe2015::new(Masks::new(&maps(), SIDE, u64::MAX).expect("no limit"), maps().pyramid());
             assert_eq!(counts(&kampe, true), expected, "culled, seed {seed}");
             assert_eq!(counts(&kampe, false), expected, "not culled, seed {seed}");
             assert_eq!(counts(&Sintorn2014::new(maps()), false), expected, "2014, seed {seed}");

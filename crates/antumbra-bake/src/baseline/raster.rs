@@ -62,10 +62,10 @@ struct Rays {
 }
 
 impl DepthMaps {
-    /// Bytes that the maps of a tile take, and their binned triangles.
-    pub fn bytes(side: u32, with_exit: bool, triangles: usize) -> u64 {
+    /// Bytes that the maps of a tile take, with their hierarchy and what a bin's triangles show.
+    pub fn bytes(side: u32, with_exit: bool) -> u64 {
         let maps = if with_exit { 8 } else { 4 };
-        u64::from(side) * u64::from(side) * (maps + 1) + 24 * triangles as u64
+        u64::from(side) * u64::from(side) * (maps + 1)
     }
 
     /// A block's place in the maps.
@@ -233,7 +233,7 @@ pub(super) struct Bins {
     /// log2 of the bins per side.
     log2: u32,
     /// Where each bin's triangles begin, and the last one's end.
-    begins: Vec<u32>,
+    begins: Vec<usize>,
     triangles: Vec<u32>,
 }
 
@@ -252,31 +252,35 @@ impl Rows<'_> {
 }
 
 impl Bins {
-    /// Sorts the triangles whose boxes touch a tile into bins.
-    pub fn new(build: &Build<'_>, tile: MapTile) -> Self {
+    /// Sorts the triangles whose boxes touch a tile into bins; `None` if that takes more than so many bytes.
+    pub fn new(build: &Build<'_>, tile: MapTile, limit: u64) -> Option<Self> {
         let log2 = (tile.side / BIN).ilog2();
         let mut bins = Self { tile, log2, begins: Vec::new(), triangles: Vec::new() };
         let spans: Vec<(u32, [[u32; 2]; 2])> = (0..build.triangles.len() as u32)
             .into_par_iter()
             .filter_map(|triangle| Some((triangle, bins.span(build, triangle)?)))
             .collect();
-        let mut begins = vec![0u32; (1 << (2 * log2)) + 1];
+        let mut begins = vec![0usize; (1 << (2 * log2)) + 1];
         let cells = |[columns, rows]: [[u32; 2]; 2]| {
             (rows[0]..=rows[1])
                 .flat_map(move |row| (columns[0]..=columns[1]).map(move |c| ((row << log2) + c) as usize))
         };
         spans.iter().for_each(|(_, span)| cells(*span).for_each(|cell| begins[cell + 1] += 1));
         (1..begins.len()).for_each(|cell| begins[cell] += begins[cell - 1]);
+        let bytes = 4 * begins[begins.len() - 1] + 16 * begins.len() + size_of_val(&spans[..]);
+        if bytes as u64 > limit {
+            return None;
+        }
         let mut next = begins.clone();
-        bins.triangles = vec![0; begins[begins.len() - 1] as usize];
+        bins.triangles = vec![0; begins[begins.len() - 1]];
         for (triangle, span) in spans {
             for cell in cells(span) {
-                bins.triangles[next[cell] as usize] = triangle;
+                bins.triangles[next[cell]] = triangle;
                 next[cell] += 1;
             }
         }
         bins.begins = begins;
-        bins
+        Some(bins)
     }
 
     /// Columns and rows of bins that a triangle's box touches.
@@ -290,13 +294,8 @@ impl Bins {
         Some([clipped(texels[0], self.tile.x)?, clipped(texels[1], self.tile.y)?])
     }
 
-    /// Triangles in all bins together.
-    pub fn length(&self) -> usize {
-        self.triangles.len()
-    }
-
     fn triangles(&self, bin: usize) -> &[u32] {
-        &self.triangles[self.begins[bin] as usize..self.begins[bin + 1] as usize]
+        &self.triangles[self.begins[bin]..self.begins[bin + 1]]
     }
 
     fn first_texel(&self, bin: usize) -> [u32; 2] {

@@ -94,7 +94,7 @@ impl<'a, V: Voxels> TopDown<'a, V> {
         let mut column = Self { voxels, limit, culls, last, origin, log2, graph: Graph::new(log2), counted: 0 };
         let cube = |z: u32| Cube { level: log2, x: origin[0], y: origin[1], z };
         let roots = (0..slices).step_by(1 << log2).map(|z| column.node(cube(z)).0).collect();
-        limit.taken.fetch_sub(column.counted, Ordering::Relaxed);
+        column.look_at_limit();
         (column.graph, roots)
     }
 

@@ -143,16 +143,15 @@ impl<'a> Shared<'a> {
     /// The column of a tile, given its parent's list.
     fn tile(&self, tile: Tile, mut entries: Vec<Entry>, clamp: u32) -> Vec<Run> {
         let settled = self.build.rules().settle(tile, &mut entries, clamp);
-        let Settled::Mixed { clamp } = settled else {
-            let column = self.with_worker(|worker| worker.settled(tile, &entries, settled));
-            self.report(tile);
-            return column;
+        let clamp = match settled {
+            // Great faces are work for all threads, too: their children are faces again.
+            Settled::Mixed { clamp } | Settled::Face { clamp, .. } if self.is_split(tile, entries.len()) => clamp,
+            _ => {
+                let column = self.with_worker(|worker| worker.settled(tile, &entries, settled));
+                self.report(tile);
+                return column;
+            }
         };
-        if !self.is_split(tile, entries.len()) {
-            let column = self.with_worker(|worker| worker.mixed(tile, &entries, clamp));
-            self.report(tile);
-            return column;
-        }
         let mut lists = [const { Vec::new() }; 4];
         split(self.build.arch(), self.build, tile, &entries, &mut lists);
         drop(entries);
@@ -234,7 +233,7 @@ impl<'a> Worker<'a> {
                 let log2 = self.build.resolution().log2();
                 push_plane(&mut self.runs, &mut self.nodes, [enter, exit], tile.log2, log2);
             }
-            Settled::Face { triangle } => {
+            Settled::Face { triangle, .. } => {
                 self.faces.trim();
                 if let Some(known) = self.face(tile, triangle) {
                     self.faces.push(known, self.build.blocks(tile.log2), &mut self.runs);

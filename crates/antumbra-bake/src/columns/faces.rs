@@ -14,7 +14,7 @@ pub(super) type Pattern = [u64; 8];
 
 /// Slices that a pattern may span.
 const SPAN: u32 = 256;
-/// Runs remembered at most; then the memory starts afresh.
+/// Runs remembered at most; with the next face the memory starts afresh.
 const MOST_RUNS: usize = 1 << 17;
 
 /// A remembered column, and the block of its tile's size from which its boundaries count.
@@ -118,8 +118,11 @@ impl FaceMemo {
         Some(known)
     }
 
-    /// Remembers a column, unless its last run begins in doubt where the column ends.
+    /// Remembers a column, unless its last run begins in doubt where the column ends, or there is too much to remember.
     fn insert(&mut self, block: u32, column: &[Run]) -> Option<Known> {
+        if self.runs.len() > MOST_RUNS {
+            return None;
+        }
         let (last, before) = column.split_last()?;
         let reach = before.last()?.end_last - block;
         if before.last()?.end_last >= last.end_last {

@@ -190,13 +190,16 @@ impl Solve<'_> {
     fn meet(&mut self, rays: &mut Rays, open: &Lanes, cluster: &[Entry]) {
         let leaf = self.leaf;
         self.rows.clear();
+        // Open surfaces end what is to be known of a ray, unless something is free behind them.
+        let is_open = !leaf.build.freedom.is_behind_open() && cluster.iter().all(|entry| !entry.has(SOLID));
+        let most = if is_open { 1 } else { usize::MAX };
         for entry in cluster {
             let triangle = &leaf.build.triangles[entry.triangle as usize];
             let covered = leaf.coverage(triangle, *entry, open);
             if !any(&covered) || (cluster.len() == 1 && rays.only_count(&covered, triangle.winding())) {
                 continue;
             }
-            insert(self.rows, leaf.crossings(triangle, &covered, rays));
+            insert(self.rows, leaf.crossings(triangle, &covered, rays), most);
         }
         rays.meet(self.rows, leaf.build.freedom);
     }

@@ -76,16 +76,16 @@ impl Row {
     }
 }
 
-/// Inserts a triangle's crossings into rows that are sorted ray by ray.
+/// Inserts a triangle's crossings into rows that are sorted ray by ray, and keeps each ray's nearest `most`.
 #[inline(always)]
-pub(super) fn insert(rows: &mut Vec<Row>, mut row: Row) {
+pub(super) fn insert(rows: &mut Vec<Row>, mut row: Row, most: usize) {
     for sorted in rows.iter_mut() {
         if row.is_empty() {
             return;
         }
         sorted.sort_with(&mut row);
     }
-    if !row.is_empty() {
+    if rows.len() < most && !row.is_empty() {
         rows.push(row);
     }
 }

@@ -14,18 +14,17 @@ pub(super) enum Settled {
     Lit,
     /// Any depth from `enter` to `exit` is right for every texel; none is first shadowed before `least`.
     Plane { least: u32, enter: u32, exit: u32 },
-    /// An open triangle that covers the tile is what every ray meets first, and nothing is free behind it.
-    Face { triangle: u32 },
+    /// An open triangle that covers the tile is what every ray meets first, and nothing is free behind it. As for `Mixed`.
+    Face { triangle: u32, clamp: u32 },
     /// Texels differ. Every texel is in shadow at slice `clamp` and need not leave a solid later, unless `clamp` lies
     /// behind the last slice; what was dropped lies no nearer than it.
     Mixed { clamp: u32 },
 }
 
-/// Longer lists are only handed on: nothing hides so much, and looking takes long.
+/// Longer lists are only handed on, but at leaves: nothing hides so much, and looking takes long.
 const LONGEST_LOOKED_AT: usize = 1 << 14;
-/// Longer lists are not sorted, and so not resolved: tiles that large are never one plane.
+/// Longer lists are not sorted, and so not resolved, but at leaves: tiles that large are never one plane.
 const LONGEST_SORTED: usize = 512;
-
 /// Longer lists are not searched for a face before all others.
 const MOST_BEHIND_FACE: usize = 32;
 
@@ -46,12 +45,13 @@ impl Rules<'_> {
         if entries.is_empty() {
             return Settled::Lit;
         }
+        let is_leaf = tile.log2 == LEAF_LOG2;
         if entries.len() > LONGEST_LOOKED_AT {
             return Settled::Mixed { clamp };
         }
         let mut clamp = self.hidden_behind(entries).min(clamp);
         entries.retain(|e| e.first < clamp);
-        if entries.len() > LONGEST_SORTED && tile.log2 > LEAF_LOG2 {
+        if entries.len() > LONGEST_SORTED && !is_leaf {
             return Settled::Mixed { clamp };
         }
         entries.sort_unstable_by_key(|e| (u64::from(e.first) << 32) | u64::from(e.triangle));
@@ -66,7 +66,7 @@ impl Rules<'_> {
             }
         }
         if let Some(triangle) = self.face(tile, entries, clamp) {
-            return Settled::Face { triangle };
+            return Settled::Face { triangle, clamp };
         }
         let free = match self.freedom {
             Freedom::None => None,

@@ -224,6 +224,7 @@ impl Order {
             let words = self.words();
             let mut counts = NodeCounts::default();
             for &id in &stretch.masks[begin[0]..end[0]] {
+                rest_now_and_then(&mut count, pause);
                 counts.masks += u64::from(self.masks.meet(id, 2));
             }
             for node in &stretch.slices[begin[1]..end[1]] {

@@ -12,6 +12,7 @@ use antumbra_bake::place::{LightSpace, SpaceRequest, for_each_placed};
 use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, bake};
 use antumbra_scene::{Light, LightKind, Mesh, Node, Primitive, Scene};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use proptest::prelude::*;
 use rayon::prelude::*;
 
 /// Folder of real scenes, where there is one.
@@ -85,6 +86,31 @@ pub fn cuboid(center: [f64; 3], half: [f64; 3], turn: f64) -> TestMesh {
 /// The same mesh turned inside out.
 pub fn turned((positions, triangles): TestMesh) -> TestMesh {
     (positions, triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect())
+}
+
+/// Triangles anywhere, fewer than `most`, some with corners that coincide with others'.
+pub fn soup(most: usize) -> impl Strategy<Value = TestMesh> {
+    let corner = prop_oneof![
+        3 => prop::array::uniform3(-1.0f32..1.0),
+        1 => prop::array::uniform3((-4i32..=4).prop_map(|c| c as f32 * 0.25)),
+    ];
+    prop::collection::vec(prop::array::uniform3(corner), 1..most).prop_map(loose)
+}
+
+/// Triangles that share no vertices.
+pub fn loose(triangles: Vec<[[f32; 3]; 3]>) -> TestMesh {
+    let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    (triangles.into_iter().flatten().collect(), indices)
+}
+
+/// Boxes on a coarse grid, so that many touch, coincide, nest or share faces; some free; some inside out.
+pub fn solid() -> impl Strategy<Value = TestMesh> {
+    let on_grid = (prop::array::uniform3(-4i32..=4), prop::array::uniform3(1i32..=4))
+        .prop_map(|(c, h)| cuboid(c.map(|c| f64::from(c) * 0.25), h.map(|h| f64::from(h) * 0.125), 0.0));
+    let free = (prop::array::uniform3(-1.0f64..1.0), prop::array::uniform3(0.01f64..0.7), 0.0f64..3.2)
+        .prop_map(|(c, h, turn)| cuboid(c, h, turn));
+    (prop_oneof![on_grid, free], prop::bool::weighted(0.2))
+        .prop_map(|(mesh, turn)| if turn { turned(mesh) } else { mesh })
 }
 
 /// A bake with what is needed to check it.
