@@ -46,7 +46,7 @@ impl Rules<'_> {
             return Settled::Lit;
         }
         let is_leaf = tile.log2 == LEAF_LOG2;
-        if entries.len() > LONGEST_LOOKED_AT {
+        if entries.len() > LONGEST_LOOKED_AT && !is_leaf {
             return Settled::Mixed { clamp };
         }
         let mut clamp = self.hidden_behind(entries).min(clamp);
