@@ -48,6 +48,27 @@ pub enum RenderError {
         /// The names in the file, separated by commas.
         present: String,
     },
+    /// There is no graphics card that can be used.
+    #[error("there is no graphics card to draw with ({reason}): {advice}; or draw on the processor")]
+    NoGpu {
+        /// What the system said.
+        reason: String,
+        /// What to install.
+        advice: &'static str,
+    },
+    /// The graphics card went away in the middle of its work.
+    #[error("the graphics card was lost (its driver was reset or updated): start again")]
+    GpuLost,
+    /// Something does not fit the graphics card.
+    #[error("{what} takes {bytes} bytes, and this graphics card reads at most {most} at a time: draw on the processor")]
+    TooLargeForGpu {
+        /// What it is.
+        what: &'static str,
+        /// Its size.
+        bytes: u64,
+        /// The card's limit.
+        most: u64,
+    },
     /// The scene has nothing to frame.
     #[error("the scene has no triangles, so there is nothing to point a camera at")]
     EmptyScene,

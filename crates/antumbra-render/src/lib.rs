@@ -18,6 +18,8 @@
 
 mod camera;
 mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod light;
 mod passes;
 mod picture;

@@ -31,6 +31,7 @@ extern crate alloc;
 mod error;
 pub mod format;
 pub mod lookup;
+pub mod shaders;
 
 pub use error::{FilterError, FormatError};
 pub use format::file::ShadowFile;

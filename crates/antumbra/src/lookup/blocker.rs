@@ -43,6 +43,20 @@ impl LightShadow<'_> {
         Some([least, greatest].map(|stored| if stored == NONE { u32::MAX } else { u32::from(stored) << enters.shift }))
     }
 
+    /// Least and greatest enter depth, in the units of the `ENTR` section, of all cells of a face from the first texel's to
+    /// the last's that hold something before a slice, or in it. `None` where nothing does, and without enter depths.
+    ///
+    /// # Panics
+    /// When the light has no such face, or a texel lies outside it.
+    #[must_use]
+    pub fn enter_window(self, face: usize, first: [u32; 2], last: [u32; 2], slice: u32) -> Option<[u16; 2]> {
+        let enters = &self.file.enters.as_ref()?[self.index];
+        let pyramid = &enters.faces[face];
+        let shift = self.record().log2_resolution - pyramid.log2_cells;
+        let [first, last] = [first, last].map(|texel| texel.map(|c| c >> shift));
+        window(pyramid, first, last, slice >> enters.shift).map(|cell| [cell.least, cell.greatest])
+    }
+
     /// Bounds on the blockers' distance within a square window about a point: `radius_m` to every side across the light,
     /// widened to whole cells. `None` where nothing there lies before the point, outside the volume, and without enter
     /// depths.
@@ -58,12 +72,14 @@ impl LightShadow<'_> {
             return None;
         }
         let radius = radius_m.max(0.0) / self.frame(point_world).texel_m;
+        // A cast rounds down and saturates.
+        let texel = |c: f64| c.clamp(0.0, side - 1.0) as u32;
+        let [first, last] = [-radius, radius].map(|r| [texel(at.voxel.x + r), texel(at.voxel.y + r)]);
+        let [least, greatest] = self.enter_window(at.face, first, last, at.voxel.z as u32)?;
         let unit = f64::from(1u32 << enters.shift);
-        let depth = at.voxel.z / unit;
-        let cell = window(&enters.faces[at.face], side, [at.voxel.x, at.voxel.y], radius, depth)?;
         // A ray that is first shadowed in slice s meets its caster in slice s - 1.
-        let nearest_to_light = (f64::from(cell.least) * unit - 1.0).max(0.0);
-        let nearest_to_point = (f64::from(cell.greatest) * unit).min(at.voxel.z);
+        let nearest_to_light = (f64::from(least) * unit - 1.0).max(0.0);
+        let nearest_to_point = (f64::from(greatest) * unit).min(at.voxel.z);
         let here = self.depth_of_slice(at.voxel.z);
         Some(Blocker {
             least_m: (here - self.depth_of_slice(nearest_to_point)).max(0.0),
@@ -72,11 +88,8 @@ impl LightShadow<'_> {
     }
 }
 
-/// The union of all cells in a window that hold something before a depth.
-fn window(pyramid: &EnterPyramid, side: f64, center: [f64; 2], radius: f64, depth: f64) -> Option<Cell> {
-    let cells = 1u32 << pyramid.log2_cells;
-    let cell_of = |v: f64| ((v / side * f64::from(cells)).max(0.0) as u32).min(cells - 1);
-    let [first, last] = [-radius, radius].map(|r| center.map(|c| cell_of(c + r)));
+/// The union of all cells from one to another that hold something at or before a depth.
+fn window(pyramid: &EnterPyramid, first: [u32; 2], last: [u32; 2], depth: u32) -> Option<Cell> {
     let mut level = 0;
     while (0..2).any(|a| (last[a] >> level) - (first[a] >> level) >= MOST_CELLS) {
         level += 1;
@@ -85,7 +98,7 @@ fn window(pyramid: &EnterPyramid, side: f64, center: [f64; 2], radius: f64, dept
     for y in first[1] >> level..=last[1] >> level {
         for x in first[0] >> level..=last[0] >> level {
             let cell = pyramid.levels[level as usize][((y << (pyramid.log2_cells - level)) + x) as usize];
-            if cell.least != NONE && f64::from(cell.least) <= depth {
+            if cell.least != NONE && u32::from(cell.least) <= depth {
                 found = Some(found.map_or(cell, |f: Cell| f.union(cell)));
             }
         }

@@ -27,6 +27,12 @@ impl<'a> LightShadow<'a> {
         self.file.name(self.index)
     }
 
+    /// Where the light stands in the file's order, from 0.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.index
+    }
+
     /// The light's record: placement, resolution, policy.
     #[must_use]
     pub fn record(self) -> &'a LightRecord {

@@ -124,6 +124,12 @@ impl Projection {
         DVec3::new(self.rows[0].dot(offset), self.rows[1].dot(offset), self.rows[2].dot(offset))
     }
 
+    /// A point in the light's axes: voxels (directional) or metres from the light.
+    pub fn in_axes(&self, world: DVec3) -> DVec3 {
+        let offset = if self.local.is_none() { self.offset } else { DVec3::ZERO };
+        self.rotated(world) + offset
+    }
+
     /// The face that sees a point, and its voxel coordinates there. A point before the near distance has z = -1; not even
     /// x and y mean anything behind a light with one face.
     #[inline]

@@ -33,6 +33,11 @@ impl TopGrid {
         Self { cells, log2_cells, level }
     }
 
+    /// The references.
+    pub(crate) fn cells(&self) -> &[u32] {
+        &self.cells
+    }
+
     /// The node that holds a voxel of the light's volume.
     #[inline(always)]
     pub(crate) fn node(&self, [x, y, z]: [u32; 3]) -> u32 {
