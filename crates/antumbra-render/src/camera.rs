@@ -60,10 +60,10 @@ pub(crate) struct View {
     pub width: u32,
     pub height: u32,
     pub eye: DVec3,
-    forward: DVec3,
+    pub forward: DVec3,
     /// Half the picture's width and height, at distance 1.
-    half_right: DVec3,
-    half_up: DVec3,
+    pub half_right: DVec3,
+    pub half_up: DVec3,
     /// Side of a pixel at distance 1.
     pub pixel_size: f64,
 }

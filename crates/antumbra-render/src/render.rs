@@ -51,7 +51,7 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    fn check(&self) -> Result<(), RenderError> {
+    pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("samples", self.samples, 1, 1024)?;
         within("ao_samples", self.ao_samples, 0, 4096)?;
         match self.exposure {
@@ -83,6 +83,12 @@ impl<'a> Renderer<'a> {
     #[must_use]
     pub fn tracer(&self) -> &Tracer {
         &self.tracer
+    }
+
+    /// Irradiance of a typical place that lamps light, by rays from them.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn lamplit(&self, lamps: &[crate::light::Lamp]) -> Option<f32> {
+        crate::passes::lamplit(&self.tracer, &self.surfaces, lamps)
     }
 
     /// Names of the scene's lights that give no light with this source of shadows, because the bake lacks them; in the
@@ -169,7 +175,7 @@ impl Job<'_> {
     }
 
     fn develop(&self, shaded: &[Shaded]) -> Picture {
-        let exposure = self.options.exposure.unwrap_or_else(|| tonemap::reference::exposure(self.world, shaded));
+        let exposure = self.options.exposure.unwrap_or_else(|| tonemap::reference::exposure(&self.world.lighting, shaded));
         Picture {
             width: self.view.width,
             height: self.view.height,

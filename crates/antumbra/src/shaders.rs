@@ -42,7 +42,7 @@ use crate::{LightShadow, ShadowFile};
 
 /// The modules in an order that declares before it uses, for people who paste by hand; [`source`] puts the access to the
 /// buffers before them.
-pub const MODULES: [(&str, &str); 8] = [
+pub const MODULES: [(&str, &str); 9] = [
     ("dag8", include_str!("../shaders/dag8.wgsl")),
     ("lights", include_str!("../shaders/lights.wgsl")),
     ("point", include_str!("../shaders/point.wgsl")),
@@ -50,6 +50,7 @@ pub const MODULES: [(&str, &str); 8] = [
     ("project", include_str!("../shaders/project.wgsl")),
     ("prefilter", include_str!("../shaders/prefilter.wgsl")),
     ("blocker", include_str!("../shaders/blocker.wgsl")),
+    ("penumbra", include_str!("../shaders/penumbra.wgsl")),
     ("segment", include_str!("../shaders/segment.wgsl")),
 ];
 
@@ -150,7 +151,7 @@ impl Tables {
     /// a lamp's face; each once), and the enter depths.
     #[must_use]
     pub fn new(file: &ShadowFile) -> Self {
-        let mut tables = Self { words: vec![0; 4], lights: Vec::new() };
+        let mut tables = Self::none();
         let mut grids = BTreeMap::new();
         for light in file.lights() {
             let first_face = tables.words.len() as u32;
@@ -177,6 +178,12 @@ impl Tables {
             tables.lights.push(At { first_face, enters });
         }
         tables
+    }
+
+    /// Tables without lights, for shaders that must have some.
+    #[must_use]
+    pub fn none() -> Self {
+        Self { words: vec![0; 4], lights: Vec::new() }
     }
 
     /// The words to upload.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
+use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup};
 use antumbra_render::{Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera, look_at};
 use antumbra_scene::{Camera, LightKind, Scene};
 use anyhow::{Context, Result, bail};
@@ -58,9 +59,13 @@ pub struct Args {
     /// Rays through each pixel
     #[arg(long, value_name = "N", default_value_t = 4)]
     samples: u32,
-    /// What draws
+    /// What draws. `cpu` and `gpu` draw the same picture by the same passes; `auto` is the processor with gathered light
     #[arg(long, value_enum, default_value_t = Device::Auto)]
     device: Device,
+    /// Rays per pixel that gather light from the sky and other surfaces; not on the graphics card [default: 12, or 0 with
+    /// --device cpu and gpu]
+    #[arg(long, value_name = "RAYS")]
+    gather: Option<u32>,
     /// Where to write
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
@@ -93,11 +98,11 @@ enum PrefilterArg {
 /// `--device`.
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 enum Device {
-    /// The best there is
+    /// The processor, with gathered light: the best picture, not the fastest
     Auto,
-    /// The processor
+    /// The processor, by the passes of the graphics card
     Cpu,
-    /// The graphics card (not in this version)
+    /// The graphics card, or a software one
     Gpu,
 }
 
@@ -121,8 +126,13 @@ pub fn run(args: &Args) -> Result<()> {
         _ => ShadowSource::Traced,
     };
     let [width, height] = args.size;
-    let options = RenderOptions { width, height, samples: args.samples, time: time(args), ..RenderOptions::default() };
-    let picture = args.run.pool()?.install(|| draw(&scene, &camera, &options, shadows, &progress))?;
+    let ao_samples = args.gather.unwrap_or(if args.device == Device::Auto { 12 } else { 0 });
+    let options =
+        RenderOptions { width, height, samples: args.samples, time: time(args), ao_samples, ..RenderOptions::default() };
+    let picture = args.run.pool()?.install(|| match args.device {
+        Device::Gpu => draw_on_gpu(&scene, &camera, &options, shadows, &progress),
+        Device::Auto | Device::Cpu => draw(&scene, &camera, &options, shadows, &progress),
+    })?;
     progress.stage("writing");
     output.write(&picture.to_png()?)?;
     drop(progress);
@@ -135,7 +145,12 @@ pub fn run(args: &Args) -> Result<()> {
 /// Whether shadows come from a bake; refuses what a later version brings.
 fn is_baked(args: &Args) -> Result<bool> {
     if args.device == Device::Gpu {
-        bail!("--device gpu is not in this version; use cpu");
+        if args.gather.is_some_and(|rays| rays > 0) {
+            bail!("--gather sends rays, which the graphics card does not: leave it out, or --device gpu");
+        }
+        if args.technique == Some(Technique::Traced) || (args.technique.is_none() && args.shadows.is_none()) {
+            bail!("the graphics card traces no rays: name a bake with --shadows FILE, or leave out --device gpu");
+        }
     }
     match (args.technique, args.shadows.is_some()) {
         (Some(Technique::Csm), _) => bail!("--technique csm is not in this version; use dag or traced"),
@@ -190,6 +205,33 @@ pub fn draw(
     progress.count("drawing", 0, "rows");
     let picture = renderer.render(camera, options, shadows, &|done, all| progress.set(done as u64, all as u64))?;
     Ok(picture)
+}
+
+/// Draws on the graphics card.
+fn draw_on_gpu(
+    scene: &Scene,
+    camera: &Camera,
+    options: &RenderOptions,
+    shadows: ShadowSource<'_>,
+    progress: &Progress,
+) -> Result<Picture> {
+    progress.stage("opening the graphics card");
+    let gpu = Gpu::open()?;
+    progress.stage("preparing the scene");
+    // Rays say how bright lamps make a scene.
+    let renderer = is_night(scene, options).then(|| Renderer::new(scene));
+    let lookup = match shadows {
+        ShadowSource::Dag { filter, .. } => Lookup::Filter(filter),
+        ShadowSource::Prefiltered { how, .. } => Lookup::Prefiltered(how),
+        _ => Lookup::None,
+    };
+    let mut on_gpu = GpuRenderer::new(&gpu, scene, renderer.as_ref(), options.time, shadows, true)?;
+    progress.stage("drawing");
+    Ok(on_gpu.render(camera, options, lookup)?)
+}
+
+fn is_night(scene: &Scene, options: &RenderOptions) -> bool {
+    options.time.unwrap_or_else(|| Time::suiting(&scene.lights)) == Time::Night
 }
 
 /// Says which lights of the scene the bake lacks. Where it has none at all the picture fails, which says enough.

@@ -2,6 +2,15 @@
 //!
 //! Its passes are the twins of those on the CPU, in the same folders, and give the same pictures.
 
+mod baked;
 mod device;
+mod frame;
+mod passes;
+mod renderer;
+mod scene;
+mod targets;
+mod timing;
 
 pub use device::{Gpu, Kernel, Slot};
+pub use renderer::{GpuRenderer, LampLists, Lookup};
+pub use timing::PassTime;

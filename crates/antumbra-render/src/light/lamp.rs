@@ -86,6 +86,13 @@ impl Lamp {
         self.range_m.min(f64::from(luminance(self.intensity) / least).sqrt())
     }
 
+    /// A spot light's axis, the cosine of its outer angle, and what takes cosines from the outer angle's to 0 and the inner
+    /// one's to 1.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn cone_parts(&self) -> Option<(DVec3, f64, f64)> {
+        self.cone.map(|cone| (cone.axis_world, cone.cos_outer, cone.per_cosine))
+    }
+
     /// How far along a ray from a point (parameter 0) to the lamp (parameter 1) casters count.
     pub(crate) fn casters_end(&self, point_world: DVec3) -> f64 {
         let from_lamp = point_world - self.position_world;

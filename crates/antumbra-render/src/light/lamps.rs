@@ -13,6 +13,8 @@ use super::{Lamp, Lamplight};
 pub(crate) struct Lamps {
     lamps: Vec<Lamp>,
     nodes: Vec<Node>,
+    /// Irradiance that counts as none.
+    pub least: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +33,7 @@ impl Lamps {
         let mut order: Vec<u32> = (0..lamps.len() as u32).collect();
         let mut nodes = Vec::with_capacity(2 * lamps.len());
         build(&boxes, &mut order, &mut nodes);
-        Self { lamps, nodes }
+        Self { lamps, nodes, least }
     }
 
     pub(crate) fn all(&self) -> &[Lamp] {

@@ -12,4 +12,6 @@ pub(crate) mod tonemap;
 
 mod world;
 
-pub(crate) use world::World;
+#[cfg(feature = "gpu")]
+pub(crate) use shadow::baked_light;
+pub(crate) use world::{Lighting, World, lamplit};

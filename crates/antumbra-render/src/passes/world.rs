@@ -15,6 +15,12 @@ use crate::{
 pub(crate) struct World<'w> {
     pub tracer: &'w Tracer,
     pub surfaces: &'w Surfaces<'w>,
+    pub lighting: Lighting,
+}
+
+/// A scene's light at one time.
+#[derive(Clone, Debug)]
+pub(crate) struct Lighting {
     pub time: Time,
     /// At night: moons.
     pub suns: Vec<Sun>,
@@ -47,10 +53,15 @@ const MOON_TINT: Vec3 = Vec3::new(0.5, 0.75, 1.35);
 /// Rays from each lamp that find out what it lights.
 const RAYS_PER_LAMP: u32 = 64;
 
-impl<'w> World<'w> {
-    /// A scene in the light of some of its lights, by day or night.
-    pub(crate) fn new(tracer: &'w Tracer, surfaces: &'w Surfaces<'w>, lights: &[Light], time: Time) -> Self {
-        let diagonal_m = tracer.bounds().diagonal();
+impl Lighting {
+    /// The light of some of a scene's lights, by day or night. `lamplit` finds the irradiance of a place that lamps light:
+    /// asked at night alone.
+    pub(crate) fn new(
+        lights: &[Light],
+        time: Time,
+        diagonal_m: f64,
+        lamplit: impl FnOnce(&[Lamp]) -> Option<f32>,
+    ) -> Self {
         let lamps: Vec<Lamp> = lights.iter().filter_map(|light| Lamp::of_light(light, diagonal_m)).collect();
         let (suns, sky, plainly_lit, glow) = match time {
             Time::Day => {
@@ -60,7 +71,7 @@ impl<'w> World<'w> {
             }
             Time::Night => {
                 let moons = Sun::moons(lights);
-                let plainly_lit = lamplit(tracer, surfaces, &lamps).or_else(|| moonlit(&moons)).unwrap_or(LUX);
+                let plainly_lit = lamplit(&lamps).or_else(|| moonlit(&moons)).unwrap_or(LUX);
                 let moons: Vec<Sun> = moons.into_iter().map(|moon| beside_lamps(moon, plainly_lit)).collect();
                 let white = plainly_lit / PI;
                 let sky = Sky::night(white * NIGHT_HORIZON, moons.first());
@@ -71,20 +82,29 @@ impl<'w> World<'w> {
         let from_lamps = if time == Time::Night { plainly_lit * LAMPS_ALL_ROUND / PI } else { 0.0 };
         let outdoors = from_suns / PI + sky.overhead() + from_lamps;
         let lamps = Lamps::new(lamps, plainly_lit * LEAST_SHARE);
-        Self { tracer, surfaces, time, suns, lamps, sky, outdoors, plainly_lit, glow, diagonal_m }
+        Self { time, suns, lamps, sky, outdoors, plainly_lit, glow, diagonal_m }
+    }
+}
+
+impl<'w> World<'w> {
+    /// A scene in the light of some of its lights, by day or night.
+    pub(crate) fn new(tracer: &'w Tracer, surfaces: &'w Surfaces<'w>, lights: &[Light], time: Time) -> Self {
+        let lamplit = |lamps: &[Lamp]| lamplit(tracer, surfaces, lamps);
+        let lighting = Lighting::new(lights, time, tracer.bounds().diagonal(), lamplit);
+        Self { tracer, surfaces, lighting }
     }
 
     /// A ray that leaves a surface. It starts a little off it: modelled surfaces lie on one another (decals, panes,
     /// doubled walls) more loosely than the tracer computes.
     pub(crate) fn leaving(&self, position: DVec3, face_normal: Vec3, direction: DVec3) -> Ray {
-        let offset_m = self.diagonal_m * 1e-6 + position.abs().max_element() * 1e-14;
+        let offset_m = self.lighting.diagonal_m * 1e-6 + position.abs().max_element() * 1e-14;
         Ray::new(position + face_normal.as_dvec3() * offset_m, direction)
     }
 }
 
 /// Irradiance of a place that lamps light: the median over places that rays from the lamps find. A few rays tell enough,
 /// and a lamp's own housing or a wall beside it does not count for more than what it lights.
-fn lamplit(tracer: &Tracer, surfaces: &Surfaces<'_>, lamps: &[Lamp]) -> Option<f32> {
+pub(crate) fn lamplit(tracer: &Tracer, surfaces: &Surfaces<'_>, lamps: &[Lamp]) -> Option<f32> {
     let from = |lamp| (0..RAYS_PER_LAMP).filter_map(move |i| lit_place(tracer, surfaces, lamp, i));
     let mut lit: Vec<f32> = lamps.iter().flat_map(from).collect();
     if lit.is_empty() {

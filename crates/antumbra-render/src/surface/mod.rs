@@ -6,4 +6,6 @@ mod texture;
 
 pub use alpha::AlphaMasks;
 pub(crate) use material::{Surface, Surfaces};
+#[cfg(feature = "gpu")]
+pub(crate) use texture::Pyramid;
 pub(crate) use texture::srgb_from_linear;

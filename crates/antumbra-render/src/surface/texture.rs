@@ -1,4 +1,4 @@
-//! Base-colour textures: bilinear between texels, the nearest level of a mip pyramid, glTF's wrap modes.
+//! Base-colour textures: bilinear between texels, linear between the levels of a mip pyramid, glTF's wrap modes.
 
 use antumbra_scene::{Image, TextureRef, Wrap};
 use glam::{Vec2, Vec4};
@@ -11,11 +11,11 @@ pub(crate) struct Pyramid {
 }
 
 #[derive(Clone, Debug)]
-struct Level {
-    width: u32,
-    height: u32,
+pub(crate) struct Level {
+    pub width: u32,
+    pub height: u32,
     /// sRGB colour and linear alpha, as in [`Image`].
-    rgba: Vec<[u8; 4]>,
+    pub rgba: Vec<[u8; 4]>,
 }
 
 impl Pyramid {
@@ -33,12 +33,20 @@ impl Pyramid {
     }
 
     /// Linear RGBA at a texture coordinate, as the texture reference transforms and wraps it. `level` is the mip
-    /// level, rounded and clamped: 0 for the full detail.
+    /// level, clamped: 0 for the full detail; between two it is a blend of both.
     pub(crate) fn sample(&self, reference: &TextureRef, uv: [f32; 2], level: f32) -> Vec4 {
         let last = self.levels.len() - 1;
-        let level = &self.levels[(level.max(0.0).round() as usize).min(last)];
+        let level = level.clamp(0.0, last as f32);
         let [u, v] = reference.transform.map(|row| row[0] * uv[0] + row[1] * uv[1] + row[2]);
-        level.bilinear(Vec2::new(u, v), reference.wrap_s, reference.wrap_t)
+        let at = |level: usize| self.levels[level].bilinear(Vec2::new(u, v), reference.wrap_s, reference.wrap_t);
+        let (fine, share) = (at(level as usize), level.fract());
+        if share > 0.0 { fine.lerp(at(level as usize + 1), share) } else { fine }
+    }
+
+    /// Finest first.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn levels(&self) -> &[Level] {
+        &self.levels
     }
 
     /// Texels per unit of texture area at full detail.

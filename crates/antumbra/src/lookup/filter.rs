@@ -46,6 +46,11 @@ impl Filter {
         Self::new(taps, Kernel::Tent)
     }
 
+    /// A tent of so many taps on either side of the middle one, at most 8.
+    pub(crate) fn tent_of_radius(radius: u32) -> Self {
+        Self { taps: 2 * radius.min(MAX_TAPS / 2) + 1, kernel: Kernel::Tent }
+    }
+
     /// Taps per side.
     #[must_use]
     pub fn taps(self) -> u32 {

@@ -11,6 +11,7 @@ pub mod filter;
 pub mod light;
 pub(crate) mod many;
 pub(crate) mod pcf;
+pub mod penumbra;
 pub(crate) mod point;
 pub mod prefilter;
 pub mod project;

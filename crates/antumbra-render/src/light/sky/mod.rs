@@ -33,18 +33,18 @@ const STARLIGHT: f32 = 30.0;
 /// The sky of one sun, or of a night.
 #[derive(Clone, Debug)]
 pub struct Sky {
-    towards_sun: Vec3,
+    pub(crate) towards_sun: Vec3,
     /// Unit vector to the sun's azimuth.
-    sun_azimuth: Vec3,
-    radiance: Vec<Vec3>,
-    plain: Vec3,
+    pub(crate) sun_azimuth: Vec3,
+    pub(crate) radiance: Vec<Vec3>,
+    pub(crate) plain: Vec3,
     /// Mean radiance over the upper hemisphere, weighted by the cosine to the zenith: irradiance over pi.
-    overhead: Vec3,
-    disc: Vec3,
+    pub(crate) overhead: Vec3,
+    pub(crate) disc: Vec3,
     /// Light given per light shown.
-    fill: f32,
+    pub(crate) fill: f32,
     /// Radiance of the brightest star.
-    stars: f32,
+    pub(crate) stars: f32,
 }
 
 impl Sky {

@@ -57,33 +57,33 @@ fn incoming(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, point: 
     let there = |hit: &_| world.surfaces.is_seen(world.tracer, hit, |_| point.x);
     match world.tracer.closest_if(&ray, there) {
         Some(hit) => {
-            let far = (hit.t / (hit.t + NEARBY * world.diagonal_m)) as f32;
+            let far = (hit.t / (hit.t + NEARBY * world.lighting.diagonal_m)) as f32;
             bounced(world, shadows, &world.surfaces.at(world.tracer, &ray, &hit, WIDTH * hit.t), far, second_use(point))
         }
-        None => world.sky.light(direction),
+        None => world.lighting.sky.light(direction),
     }
 }
 
 /// What a surface reflects of the lights and the sky, as seen by a gathering ray. `far` is 0 for nearby to 1, `unit` any
 /// number in 0..1.
 fn bounced(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, far: f32, unit: f32) -> Vec3 {
-    let mut light = world.outdoors * (SECOND_BOUNCE * far);
+    let mut light = world.lighting.outdoors * (SECOND_BOUNCE * far);
     // At full depth: a ray's wide cone would push the lookup far off its surface.
     let place = Place { footprint_m: 0.0, ..Place::of(surface) };
-    for (index, sun) in world.suns.iter().enumerate() {
+    for (index, sun) in world.lighting.suns.iter().enumerate() {
         let cos = surface.face_normal.dot(sun.towards_world.as_vec3());
         if cos > 0.0 {
             light += sun.irradiance * (cos * shadows.of_sun(index, &place) / PI);
         }
     }
-    surface.albedo * (light + lamplight(world, shadows, surface, &place, unit)) + surface.emissive * world.glow
+    surface.albedo * (light + lamplight(world, shadows, surface, &place, unit)) + surface.emissive * world.lighting.glow
 }
 
 /// What a white surface reflects of the lamps, by asking one of them: a lamp is drawn the more often the more light it
 /// would give, and then stands for all. However many lamps there are, one lookup does.
 fn lamplight(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, place: &Place, mut unit: f32) -> Vec3 {
     let (mut total, mut drawn) = (0.0, None);
-    world.lamps.reaching(surface.position, |index, Lamplight { towards, irradiance }| {
+    world.lighting.lamps.reaching(surface.position, |index, Lamplight { towards, irradiance }| {
         let light = irradiance * surface.face_normal.dot(towards).max(0.0);
         let weight = luminance(light);
         if weight <= 0.0 {
@@ -102,7 +102,7 @@ fn lamplight(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, place:
     });
     let Some((index, color)) = drawn else { return Vec3::ZERO };
     // What is right beside a lamp is so bright that a ray that happens to find it would show as a speck.
-    let brightness = total.min(BRIGHTEST * world.plainly_lit);
+    let brightness = total.min(BRIGHTEST * world.lighting.plainly_lit);
     color * (brightness * shadows.of_lamp(index, place) / PI)
 }
 

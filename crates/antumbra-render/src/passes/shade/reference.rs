@@ -7,7 +7,7 @@ use crate::{
     camera::View,
     light::luminance,
     passes::{
-        World,
+        Lighting, World,
         ambient::Gathered,
         gbuffer::Texel,
         shadow::{Beam, Beams},
@@ -50,11 +50,11 @@ pub(crate) fn row(world: &World<'_>, view: &View, y: u32, inputs: &Inputs<'_>) -
         let mut sum = Shaded::default();
         for (texel, beams) in texels.iter().zip(beams.by_ref()) {
             let Some(surface) = &texel.surface else {
-                sum.radiance += world.sky.radiance_with_disc(texel.direction);
+                sum.radiance += world.lighting.sky.radiance_with_disc(texel.direction);
                 continue;
             };
             let ambient = ambient(world, view, inputs.gathered, [x as u32, y], surface);
-            let glow = surface.emissive * world.glow;
+            let glow = surface.emissive * world.lighting.glow;
             let light = lit(world, surface, beams, ambient, glow);
             sum.radiance += hazy(world, texel, surface, light);
             sum.metered += luminance(light - glow);
@@ -114,15 +114,15 @@ fn reflected_sky(world: &World<'_>, surface: &Surface, ambient: Vec3) -> Vec3 {
     let a = ((1.0 - rough).powi(2)).min((-9.28 * n_v).exp2()) * (1.0 - rough) + (0.0425 - 0.0275 * rough);
     let (scale, bias) = (a * -1.04 + 1.04 - 0.572 * rough, a * 1.04 - 0.04 + 0.022 * rough);
     let mirror = 2.0 * n_v * surface.normal - surface.towards_eye;
-    let blurred = world.sky.radiance(mirror).lerp(world.sky.ambient(surface.normal), rough);
-    let open = (ambient.element_sum() / world.sky.ambient(surface.normal).element_sum()).clamp(0.0, 1.0);
+    let blurred = world.lighting.sky.radiance(mirror).lerp(world.lighting.sky.ambient(surface.normal), rough);
+    let open = (ambient.element_sum() / world.lighting.sky.ambient(surface.normal).element_sum()).clamp(0.0, 1.0);
     blurred * open * (head_on(surface) * scale + bias).max(Vec3::ZERO)
 }
 
 /// The light gathered for a surface: of the pixel itself or, at edges, of the neighbours that show the same surface.
 fn ambient(world: &World<'_>, view: &View, gathered: &[Gathered], [x, y]: [u32; 2], surface: &Surface) -> Vec3 {
     if gathered.is_empty() {
-        return world.sky.ambient(surface.normal);
+        return world.lighting.sky.ambient(surface.normal);
     }
     let position = (surface.position - view.eye).as_vec3();
     let at = |x: u32, y: u32| &gathered[(y * view.width + x) as usize];
@@ -136,7 +136,7 @@ fn ambient(world: &World<'_>, view: &View, gathered: &[Gathered], [x, y]: [u32; 
         sum += at(x, y).light * weight;
         weights += weight;
     }
-    if weights > 0.0 { sum / weights } else { world.sky.ambient(surface.normal) }
+    if weights > 0.0 { sum / weights } else { world.lighting.sky.ambient(surface.normal) }
 }
 
 fn around(view: &View, x: u32, y: u32) -> impl Iterator<Item = (u32, u32)> {
@@ -144,10 +144,14 @@ fn around(view: &View, x: u32, y: u32) -> impl Iterator<Item = (u32, u32)> {
     (y.saturating_sub(1)..=below).flat_map(move |y| (x.saturating_sub(1)..=right).map(move |x| (x, y)))
 }
 
+/// Distance at which haze hides all but 2 % of a surface, metres.
+pub(crate) fn visible_m(lighting: &Lighting) -> f64 {
+    (lighting.diagonal_m * VISIBLE_DIAGONALS).max(VISIBLE_AT_LEAST_M)
+}
+
 /// Aerial perspective: the farther, the more of the horizon's light and the less of the surface's.
 fn hazy(world: &World<'_>, texel: &Texel, surface: &Surface, light: Vec3) -> Vec3 {
-    let visible_m = (world.diagonal_m * VISIBLE_DIAGONALS).max(VISIBLE_AT_LEAST_M);
-    let clear = (-HIDDEN * surface.distance / visible_m).exp() as f32;
+    let clear = (-HIDDEN * surface.distance / visible_m(&world.lighting)).exp() as f32;
     let flat = Vec3::new(texel.direction.x, 0.0, texel.direction.z).try_normalize().unwrap_or(Vec3::X);
-    (world.sky.radiance(flat) * HAZE_LIGHT).lerp(light, clear)
+    (world.lighting.sky.radiance(flat) * HAZE_LIGHT).lerp(light, clear)
 }

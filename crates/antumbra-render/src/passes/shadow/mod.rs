@@ -5,6 +5,7 @@ mod source;
 pub(crate) mod reference;
 
 pub use source::ShadowSource;
+pub(crate) use source::baked_light;
 pub(crate) use source::{Place, Shadows};
 
 use glam::Vec3;

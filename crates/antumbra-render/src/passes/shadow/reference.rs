@@ -20,7 +20,7 @@ pub(crate) fn row(world: &World<'_>, shadows: &Shadows<'_>, texels: &[Texel]) ->
 }
 
 fn from_suns(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, beams: &mut Vec<Beam>) {
-    for (index, sun) in world.suns.iter().enumerate() {
+    for (index, sun) in world.lighting.suns.iter().enumerate() {
         let towards = sun.towards_world.as_vec3();
         let visible = if faces(surface, towards) { shadows.of_sun(index, &Place::of(surface)) } else { 0.0 };
         if visible > 0.0 {
@@ -30,7 +30,7 @@ fn from_suns(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, beams:
 }
 
 fn from_lamps(world: &World<'_>, shadows: &Shadows<'_>, surface: &Surface, beams: &mut Vec<Beam>) {
-    world.lamps.reaching(surface.position, |index, light| {
+    world.lighting.lamps.reaching(surface.position, |index, light| {
         let visible = if faces(surface, light.towards) { shadows.of_lamp(index, &Place::of(surface)) } else { 0.0 };
         if visible > 0.0 {
             beams.push(Beam::of_lamp(light, visible));

@@ -74,6 +74,11 @@ fn baked<'a>(file: &'a ShadowFile, name: &str, kind: impl Fn(LightKind) -> bool)
     file.light(name).filter(|light| kind(light.kind()))
 }
 
+/// The baked light of a sun (whose name may be missing) or of a lamp.
+pub(crate) fn baked_light<'a>(file: &'a ShadowFile, name: Option<&str>, is_lamp: bool) -> Option<LightShadow<'a>> {
+    baked(file, name.unwrap_or(STAND_IN), |kind| (kind != LightKind::Directional) == is_lamp)
+}
+
 /// The sun that stands in for a missing one is baked under the name that `--sun` gives.
 const STAND_IN: &str = "sun";
 
@@ -106,13 +111,10 @@ impl<'w> Shadows<'w> {
     pub(crate) fn new(world: &'w World<'_>, source: ShadowSource<'w>) -> Self {
         let mut shadows = Self { world, source, suns: Vec::new(), lamps: Vec::new() };
         if let Some(file) = source.file() {
-            let is_local = |kind| kind != LightKind::Directional;
-            let suns = world
-                .suns
-                .iter()
-                .map(|sun| baked(file, sun.name.as_deref().unwrap_or(STAND_IN), |kind| !is_local(kind)));
-            shadows.suns = suns.collect();
-            shadows.lamps = world.lamps.all().iter().map(|lamp| baked(file, &lamp.name, is_local)).collect();
+            let suns = world.lighting.suns.iter();
+            shadows.suns = suns.map(|sun| baked_light(file, sun.name.as_deref(), false)).collect();
+            let lamps = world.lighting.lamps.all().iter();
+            shadows.lamps = lamps.map(|lamp| baked_light(file, Some(&lamp.name), true)).collect();
         }
         shadows
     }
@@ -120,7 +122,7 @@ impl<'w> Shadows<'w> {
     /// How much of a sun reaches a point: 0 in shadow to 1 in full light.
     pub(crate) fn of_sun(&self, index: usize, place: &Place) -> f32 {
         self.of(&self.suns, index, place, || {
-            let sun = &self.world.suns[index];
+            let sun = &self.world.lighting.suns[index];
             (sun.towards_world, f64::INFINITY)
         })
     }
@@ -128,7 +130,7 @@ impl<'w> Shadows<'w> {
     /// How much of a lamp reaches a point.
     pub(crate) fn of_lamp(&self, index: usize, place: &Place) -> f32 {
         self.of(&self.lamps, index, place, || {
-            let lamp = &self.world.lamps.all()[index];
+            let lamp = &self.world.lighting.lamps.all()[index];
             (lamp.position_world - place.position, lamp.casters_end(place.position))
         })
     }

@@ -8,7 +8,7 @@ use std::f32::consts::PI;
 
 use crate::{
     light::{Time, luminance},
-    passes::{World, shade::reference::Shaded},
+    passes::{Lighting, shade::reference::Shaded},
     surface::srgb_from_linear,
 };
 
@@ -29,17 +29,17 @@ const TYPICAL_ALBEDO: f32 = 0.3;
 const HOT_SHARE: f64 = 0.02;
 
 /// Factor that exposes a picture.
-pub(crate) fn exposure(world: &World<'_>, shaded: &[Shaded]) -> f32 {
-    match world.time {
-        Time::Day => day_exposure(world, shaded),
-        Time::Night => night_exposure(world, shaded.iter().map(|s| s.metered).filter(|&m| m > 0.0).collect()),
+pub(crate) fn exposure(lighting: &Lighting, shaded: &[Shaded]) -> f32 {
+    match lighting.time {
+        Time::Day => day_exposure(lighting, shaded),
+        Time::Night => night_exposure(lighting, shaded.iter().map(|s| s.metered).filter(|&m| m > 0.0).collect()),
     }
 }
 
 /// Sunlit ground comes out light but not white. It follows from the lights alone, so that pictures of a scene with
 /// different shadows compare; only a picture that is dark all over (a room) is lifted.
-fn day_exposure(world: &World<'_>, shaded: &[Shaded]) -> f32 {
-    let white = luminance(world.outdoors).max(1e-6);
+fn day_exposure(lighting: &Lighting, shaded: &[Shaded]) -> f32 {
+    let white = luminance(lighting.outdoors).max(1e-6);
     let exposure = 1.9 / white;
     exposure * lift(shaded, exposure)
 }
@@ -55,8 +55,8 @@ fn lift(shaded: &[Shaded], exposure: f32) -> f32 {
 /// What is seen of the lamps' light decides, however little of the picture it is: the mean (of logarithms) over what
 /// surfaces reflect, each pixel weighed by its own brightness. Windows and signs do not count, nor do hot spots. A picture
 /// of the dark stays dark.
-fn night_exposure(world: &World<'_>, mut metered: Vec<f32>) -> f32 {
-    let lit = world.plainly_lit * TYPICAL_ALBEDO / PI;
+fn night_exposure(lighting: &Lighting, mut metered: Vec<f32>) -> f32 {
+    let lit = lighting.plainly_lit * TYPICAL_ALBEDO / PI;
     let hottest = (metered.len() as f64 * HOT_SHARE) as usize;
     if metered.is_empty() {
         return NIGHT_KEY / lit;

@@ -1,0 +1,203 @@
+//! The passes' programs: which text, which bindings.
+
+use super::scene::GEOMETRY_SLOTS;
+use super::targets::{DEPTH_FORMAT, VISIBLE_FORMAT};
+use super::{Gpu, Kernel, Slot};
+
+const FRAME: &str = include_str!("frame.wgsl");
+const TEXEL: &str = include_str!("../passes/gbuffer/texel.wgsl");
+const GEOMETRY: &str = include_str!("../passes/gbuffer/geometry.wgsl");
+const RASTER: &str = include_str!("../passes/gbuffer/raster.wgsl");
+const RESOLVE: &str = include_str!("../passes/gbuffer/resolve.wgsl");
+const SHADOW: &str = include_str!("../passes/shadow/shadow.wgsl");
+const SKY: &str = include_str!("../passes/shade/sky.wgsl");
+const BRDF: &str = include_str!("../passes/shade/brdf.wgsl");
+const SHADE: &str = include_str!("../passes/shade/shade.wgsl");
+const TONEMAP: &str = include_str!("../passes/tonemap/tonemap.wgsl");
+const LAMP: &str = include_str!("../passes/lamps/lamp.wgsl");
+const BOXES: &str = include_str!("../passes/lamps/boxes.wgsl");
+const CLUSTERS: &str = include_str!("../passes/lamps/clusters.wgsl");
+const LISTS: &str = include_str!("../passes/lamps/lists.wgsl");
+const LAMPS: &str = include_str!("../passes/lamps/lamps.wgsl");
+const CONSTANTS: &str = "const PI: f32 = 3.14159265;";
+
+use Slot::{Read, Uints, Write};
+
+/// The text of each pass, for tests without a driver. `lookups` is that of the baked lights.
+pub(crate) fn sources(lookups: &str) -> Vec<(&'static str, String)> {
+    vec![
+        ("raster", [FRAME, GEOMETRY, RASTER].concat()),
+        ("resolve", [FRAME, TEXEL, GEOMETRY, RESOLVE].concat()),
+        ("sun shadows", [lookups, FRAME, TEXEL, CONSTANTS, BRDF, SHADOW].concat()),
+        ("shading", [FRAME, TEXEL, SKY, BRDF, SHADE].concat()),
+        ("tone mapping", [FRAME, TONEMAP].concat()),
+        ("tile boxes", [FRAME, TEXEL, LAMP, BOXES].concat()),
+        ("clusters", [FRAME, LAMP, CLUSTERS].concat()),
+        ("light lists", [FRAME, LAMP, LISTS].concat()),
+        ("lamps", [lookups, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LAMPS].concat()),
+    ]
+}
+
+/// Programs that do not depend on the bake.
+#[derive(Debug)]
+pub(crate) struct Passes {
+    pub raster: Raster,
+    pub resolve: Kernel,
+    pub shade: Kernel,
+    pub tonemap: Kernel,
+    pub boxes: Kernel,
+    pub clusters: Kernel,
+    pub lists: Kernel,
+}
+
+/// Programs that look up baked shadows.
+#[derive(Debug)]
+pub(crate) struct Lookups {
+    pub sun: Kernel,
+    pub lamps: Kernel,
+}
+
+fn source<'a>(sources: &'a [(&str, String)], name: &str) -> &'a str {
+    sources.iter().find(|(known, _)| *known == name).map_or("", |(_, text)| text)
+}
+
+impl Passes {
+    pub fn new(gpu: &Gpu) -> Self {
+        let sources = sources("");
+        let kernel = |name: &str, groups: &[&[Slot]]| gpu.kernel(name, source(&sources, name), groups);
+        Self {
+            raster: Raster::new(gpu, source(&sources, "raster")),
+            resolve: kernel("resolve", &[&GEOMETRY_SLOTS, &[Uints, Write]]),
+            shade: kernel("shading", &[&[Read, Read, Read, Read, Read, Write]]),
+            tonemap: kernel("tone mapping", &[&[Read, Read, Write]]),
+            boxes: kernel("tile boxes", &[&[Read, Read, Write]]),
+            clusters: kernel("clusters", &[&[Read, Write]]),
+            lists: kernel("light lists", &[&[Read, Read, Read, Write]]),
+        }
+    }
+}
+
+impl Lookups {
+    pub fn new(gpu: &Gpu, lookups: &str, slots: &[Slot]) -> Self {
+        let sources = sources(lookups);
+        let kernel = |name: &str, own: &[Slot]| gpu.kernel(name, source(&sources, name), &[own, slots]);
+        Self {
+            sun: kernel("sun shadows", &[Read, Read, Read, Write]),
+            lamps: kernel("lamps", &[Read, Read, Read, Read, Write, Write]),
+        }
+    }
+}
+
+/// Draws triangles into the visibility buffer.
+#[derive(Debug)]
+pub(crate) struct Raster {
+    pub layout: wgpu::BindGroupLayout,
+    pub opaque: wgpu::RenderPipeline,
+    pub cut_out: wgpu::RenderPipeline,
+}
+
+impl Raster {
+    fn new(gpu: &Gpu, text: &str) -> Self {
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("raster"),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        let layout = gpu.layout(&GEOMETRY_SLOTS, wgpu::ShaderStages::VERTEX_FRAGMENT);
+        let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("raster"),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = |fragment: &str| {
+            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(fragment),
+                layout: Some(&pipeline_layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("corner"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(fragment),
+                    compilation_options: Default::default(),
+                    targets: &[Some(VISIBLE_FORMAT.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        Self { opaque: pipeline("opaque"), cut_out: pipeline("cut_out"), layout }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use antumbra::shaders;
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    use super::*;
+    use crate::gpu::frame::{Frame, GpuLamp};
+
+    fn modules() -> Vec<(&'static str, naga::Module)> {
+        let lookups = shaders::source(&shaders::Lookup { group: 1, binding: 1, ..shaders::Lookup::default() });
+        let parsed = |(name, text): (&'static str, String)| {
+            let module =
+                naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32);
+            validator.validate(&module).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
+            (name, module)
+        };
+        sources(&lookups).into_iter().map(parsed).collect()
+    }
+
+    /// Names and offsets of a struct's members, and its size.
+    fn layout(module: &naga::Module, name: &str) -> Option<(Vec<(String, usize)>, usize)> {
+        let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name))?;
+        let naga::TypeInner::Struct { members, span } = &found.inner else { return None };
+        let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
+        Some((members.iter().map(member).collect(), *span as usize))
+    }
+
+    macro_rules! offsets {
+        ($of:ty: $($member:ident)*) => {
+            (vec![$((stringify!($member).to_owned(), offset_of!($of, $member))),*], size_of::<$of>())
+        };
+    }
+
+    #[test]
+    fn passes_are_valid_and_their_structs_lie_in_memory_as_here() {
+        let frame = offsets!(Frame: right up forward size sample samples jitter pixel_size footprint near visible_m glow
+            suns towards_sun sun_azimuth plain overhead disc fill stars exposure lamps shadow radius kernel sun_tangent
+            tile tiles_x layers list_words first_layer_m layer_ratio cascades shaft_m);
+        let mut found = [0; 3];
+        for (name, module) in modules() {
+            if let Some(there) = layout(&module, "Frame") {
+                assert_eq!(there, frame, "{name}");
+                found[0] += 1;
+            }
+            if let Some((members, size)) = layout(&module, "Lamp") {
+                let here = offsets!(GpuLamp: position intensity axis range_m near_m reach_m cos_outer per_cosine light);
+                assert_eq!((&members[..here.0.len()], size), (&here.0[..], here.1), "{name}");
+                found[1] += 1;
+            }
+            if let Some((_, size)) = layout(&module, "Texel") {
+                assert_eq!(size as u64, crate::gpu::targets::TEXEL_BYTES, "{name}");
+                found[2] += 1;
+            }
+        }
+        assert_eq!(found, [9, 4, 5]);
+    }
+}

@@ -1,0 +1,378 @@
+//! Runs the passes on the graphics card.
+
+use antumbra::{Filter, Kernel as FilterKernel, LightShadow, Prefilter, ShadowFile};
+use antumbra_scene::{Camera, Scene};
+use glam::{DVec2, DVec3, Vec3};
+
+use super::baked::Baked;
+use super::frame::{Frame, GpuLamp, SunLight, four};
+use super::passes::{Lookups, Passes};
+use super::scene::SceneBuffers;
+use super::targets::Targets;
+use super::timing::{PassTime, Timer};
+use super::{Gpu, Kernel};
+use crate::camera::View;
+use crate::passes::shade::reference::Shaded;
+use crate::passes::tonemap;
+use crate::passes::{Lighting, baked_light};
+use crate::render::RenderOptions;
+use crate::sampling::r2;
+use crate::{Picture, RenderError, Renderer, ShadowSource, Time};
+
+/// How lamps are found that may reach a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LampLists {
+    /// For each tile of 8 x 8 pixels, those whose light touches the box about what it shows.
+    #[default]
+    Tiled,
+    /// For each tile of 64 x 64 pixels and each of 24 layers of depth, whatever there is to see.
+    Clustered,
+}
+
+/// How a picture's shadows are looked up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lookup {
+    /// Not at all: everything is lit.
+    None,
+    /// Filtered by so many taps.
+    Filter(Filter),
+    /// Averaged over what a pixel covers.
+    Prefiltered(Prefilter),
+    /// With penumbrae of a sun whose radius is seen under an angle of this tangent; lamps by the filter.
+    Penumbra(f64, Filter),
+}
+
+/// A scene on the graphics card, ready to be drawn from anywhere in the light of one time.
+#[derive(Debug)]
+pub struct GpuRenderer<'a> {
+    gpu: Gpu,
+    scene: &'a Scene,
+    buffers: SceneBuffers,
+    passes: Passes,
+    lighting: Lighting,
+    file: Option<&'a ShadowFile>,
+    baked: Baked,
+    lookups: Lookups,
+    suns: wgpu::Buffer,
+    sky: wgpu::Buffer,
+    frame: wgpu::Buffer,
+    lamps: wgpu::Buffer,
+    targets: Option<Targets>,
+    lists: Option<Lists>,
+    timer: Timer,
+    /// How lamps are found.
+    pub lamp_lists: LampLists,
+}
+
+/// Lists of lamps for one size of picture.
+#[derive(Debug)]
+struct Lists {
+    /// What they are for: size, tile, layers, words of a list.
+    of: ([u32; 2], u32, u32, u32),
+    boxes: wgpu::Buffer,
+    lists: wgpu::Buffer,
+    count: u32,
+}
+
+const CLUSTER_TILE: u32 = 64;
+const CLUSTER_LAYERS: u32 = 24;
+
+impl<'a> GpuRenderer<'a> {
+    /// Brings a scene to the card, in the light of those of its lights whose shadows the source knows: a bake, or none at all
+    /// ([`ShadowSource::None`]). `renderer` is asked for rays at night, to see how bright lamps make the scene.
+    ///
+    /// # Errors
+    /// [`RenderError`] when something does not fit the card, the shadows lack all lights of the scene, or are to be traced.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &'a Scene,
+        renderer: Option<&Renderer<'_>>,
+        time: Option<Time>,
+        shadows: ShadowSource<'a>,
+        top_grid: bool,
+    ) -> Result<Self, RenderError> {
+        let lights = shadows.known(&scene.lights)?;
+        let time = time.unwrap_or_else(|| Time::suiting(&lights));
+        let diagonal_m = scene.bounds(|_| true).diagonal();
+        let lighting = Lighting::new(&lights, time, diagonal_m, |lamps| renderer?.lamplit(lamps));
+        let file = shadows.file();
+        let baked = match file {
+            Some(file) => Baked::new(gpu, file, &baked_lights(&lighting, file), top_grid)?,
+            None => Baked::none(gpu),
+        };
+        let suns: Vec<SunLight> = lighting.suns.iter().map(SunLight::new).collect();
+        let sky: Vec<[f32; 4]> = lighting.sky.radiance.iter().map(|radiance| four(*radiance)).collect();
+        let lamps = lighting.lamps.all().len();
+        Ok(Self {
+            buffers: SceneBuffers::new(gpu, scene)?,
+            passes: Passes::new(gpu),
+            lookups: Lookups::new(gpu, &baked.lookups, &baked.slots),
+            suns: gpu.buffer("suns", &suns),
+            sky: gpu.buffer("sky", &sky),
+            frame: gpu.zeros("frame", size_of::<Frame>() as u64),
+            lamps: gpu.zeros("lamps", (lamps * size_of::<GpuLamp>()) as u64),
+            targets: None,
+            lists: None,
+            timer: Timer::new(gpu),
+            lamp_lists: LampLists::default(),
+            gpu: gpu.clone(),
+            scene,
+            lighting,
+            file,
+            baked,
+        })
+    }
+
+    /// Draws the scene, as [`Renderer::render`] does without gathered light (`ao_samples` of 0).
+    ///
+    /// # Errors
+    /// [`RenderError`] when the camera or the options make no sense, or the card is lost.
+    pub fn render(&mut self, camera: &Camera, options: &RenderOptions, lookup: Lookup) -> Result<Picture, RenderError> {
+        options.check()?;
+        let view = View::new(camera, options.width, options.height)?;
+        self.light(&view, options.samples, lookup);
+        let exposure = match options.exposure {
+            Some(exposure) => exposure,
+            None => tonemap::reference::exposure(&self.lighting, &self.shaded(options.samples)?),
+        };
+        self.develop(&view, options.samples, exposure);
+        self.picture(options.samples, exposure)
+    }
+
+    /// Renders a camera's view into the HDR buffer; nothing is read back.
+    pub(crate) fn light(&mut self, view: &View, samples: u32, lookup: Lookup) {
+        self.timer.begin_frame();
+        self.see_from(view.eye);
+        for sample in 0..samples {
+            let mut frame = Frame::new(view, &self.lighting, sample, samples, r2(sample));
+            set_lookup(&mut frame, lookup);
+            self.set_lists(&mut frame);
+            if !self.targets.as_ref().is_some_and(|targets| targets.suit(&frame)) {
+                self.targets = Some(Targets::new(&self.gpu, frame.size, frame.suns));
+            }
+            self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            self.draw(&mut encoder, &frame);
+            self.gpu.queue.submit([encoder.finish()]);
+        }
+    }
+
+    /// Tone maps the HDR buffer into the screen buffer.
+    pub(crate) fn develop(&mut self, view: &View, samples: u32, exposure: f32) {
+        let frame = Frame { exposure, ..Frame::new(view, &self.lighting, 0, samples, DVec2::ZERO) };
+        self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
+        let Some(targets) = &self.targets else { return };
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let buffers = [&self.frame, &targets.hdr, &targets.screen];
+        run(&self.gpu, &mut self.timer, &mut encoder, &self.passes.tonemap, "tone mapping", &buffers, None, frame.size);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Moves the reference point of everything to the eye.
+    fn see_from(&self, eye: DVec3) {
+        self.buffers.place(&self.gpu, self.scene, eye);
+        if let Some(file) = self.file {
+            self.baked.see_from(&self.gpu, file, eye);
+        }
+        let first = self.lighting.suns.len() as u32;
+        let least = self.lighting.lamps.least;
+        let lamps = self.lighting.lamps.all().iter().zip(first..);
+        let lamps: Vec<_> = lamps.map(|(lamp, light)| GpuLamp::new(lamp, eye, light, least)).collect();
+        if !lamps.is_empty() {
+            self.gpu.queue.write_buffer(&self.lamps, 0, bytemuck::cast_slice(&lamps));
+        }
+    }
+
+    /// Chooses the lamps' lists, and makes room for them.
+    fn set_lists(&mut self, frame: &mut Frame) {
+        (frame.tile, frame.layers) = match self.lamp_lists {
+            LampLists::Tiled => (8, 0),
+            LampLists::Clustered => (CLUSTER_TILE, CLUSTER_LAYERS),
+        };
+        // Layers grow from a hundredth of the scene's size to all of it.
+        frame.first_layer_m = (self.lighting.diagonal_m * 0.002).max(0.5) as f32;
+        frame.layer_ratio = 1.4;
+        frame.tiles_x = frame.size[0].div_ceil(frame.tile);
+        let of = (frame.size, frame.tile, frame.layers, frame.list_words);
+        if frame.lamps == 0 || self.lists.as_ref().is_some_and(|lists| lists.of == of) {
+            return;
+        }
+        let count = frame.tiles_x * frame.size[1].div_ceil(frame.tile) * frame.layers.max(1);
+        self.lists = Some(Lists {
+            of,
+            boxes: self.gpu.zeros("boxes", 32 * u64::from(count)),
+            lists: self.gpu.zeros("light lists", 4 * u64::from(count) * u64::from(frame.list_words)),
+            count,
+        });
+    }
+
+    /// Records one sample.
+    fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        let Self { gpu, timer, passes, lookups, buffers, baked, targets, lists, .. } = self;
+        let Some(targets) = targets else { return };
+        raster(gpu, timer, encoder, &passes.raster, buffers, &self.frame, targets);
+        let size = frame.size;
+        let geometry = gpu.group(&passes.resolve.layouts[0], &buffers.resources(&self.frame));
+        let seen = [wgpu::BindingResource::TextureView(&targets.visible_part), targets.gbuffer.as_entire_binding()];
+        let seen = gpu.group(&passes.resolve.layouts[1], &seen);
+        passes.resolve.run(encoder, timer.compute("resolve"), &[&geometry, &seen], tiles(size));
+        let shadows = baked.resources();
+        let own = [&self.frame, &targets.gbuffer, &self.suns, &targets.sunlit];
+        if frame.suns > 0 {
+            run(gpu, timer, encoder, &lookups.sun, "sun shadows", &own, Some(&shadows), size);
+        }
+        let own = [&self.frame, &targets.gbuffer, &self.sky, &self.suns, &targets.sunlit, &targets.hdr];
+        run(gpu, timer, encoder, &passes.shade, "shading", &own, None, size);
+        let Some(lists) = lists.as_ref().filter(|_| frame.lamps > 0) else { return };
+        if frame.layers == 0 {
+            let own = [&self.frame, &targets.gbuffer, &lists.boxes];
+            run(gpu, timer, encoder, &passes.boxes, "tile boxes", &own, None, size);
+        } else {
+            let group = [&self.frame, &lists.boxes].map(|b| b.as_entire_binding());
+            let group = gpu.group(&passes.clusters.layouts[0], &group);
+            passes.clusters.run(encoder, timer.compute("tile boxes"), &[&group], [lists.count.div_ceil(64), 1, 1]);
+        }
+        let group = [&self.frame, &self.lamps, &lists.boxes, &lists.lists].map(|b| b.as_entire_binding());
+        let group = gpu.group(&passes.lists.layouts[0], &group);
+        let groups = (lists.count * frame.list_words).div_ceil(64);
+        let rows = groups.div_ceil(MOST_GROUPS);
+        passes.lists.run(encoder, timer.compute("light lists"), &[&group], [groups.div_ceil(rows), rows, 1]);
+        let own = [&self.frame, &targets.gbuffer, &self.lamps, &lists.lists, &targets.hdr, &targets.counts];
+        run(gpu, timer, encoder, &lookups.lamps, "lamps", &own, Some(&shadows), size);
+    }
+
+    /// Waits for the last frame and says how long its passes took: empty where the card has no clock.
+    ///
+    /// # Errors
+    /// [`RenderError::GpuLost`].
+    pub fn times(&self) -> Result<Vec<PassTime>, RenderError> {
+        self.timer.read(&self.gpu)
+    }
+
+    /// How many lamps each pixel's shading looked at in the last frame; empty before the first.
+    ///
+    /// # Errors
+    /// [`RenderError::GpuLost`].
+    pub fn lamps_per_pixel(&self) -> Result<Vec<u32>, RenderError> {
+        self.targets.as_ref().map_or(Ok(Vec::new()), |targets| self.gpu.read(&targets.counts))
+    }
+
+    /// Bytes of the bake on the card.
+    #[must_use]
+    pub fn baked_bytes(&self) -> u64 {
+        self.baked.bytes()
+    }
+
+    fn shaded(&self, samples: u32) -> Result<Vec<Shaded>, RenderError> {
+        let Some(targets) = &self.targets else { return Ok(Vec::new()) };
+        let hdr: Vec<[f32; 4]> = self.gpu.read(&targets.hdr)?;
+        let share = 1.0 / samples as f32;
+        let shaded = |[r, g, b, metered]: [f32; 4]| Shaded {
+            radiance: Vec3::new(r, g, b) * share,
+            metered: metered * share,
+        };
+        Ok(hdr.into_iter().map(shaded).collect())
+    }
+
+    fn picture(&self, samples: u32, exposure: f32) -> Result<Picture, RenderError> {
+        let Some(targets) = &self.targets else { return Err(RenderError::GpuLost) };
+        let screen: Vec<[u8; 4]> = self.gpu.read(&targets.screen)?;
+        Ok(Picture {
+            width: targets.size[0],
+            height: targets.size[1],
+            rgb: screen.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect(),
+            hdr: self.shaded(samples)?.iter().map(|s| s.radiance.to_array()).collect(),
+            exposure,
+        })
+    }
+}
+
+/// Most workgroups to a side of a dispatch that every card takes.
+const MOST_GROUPS: u32 = 65535;
+
+/// Workgroups of 8 x 8 pixels.
+fn tiles([width, height]: [u32; 2]) -> [u32; 3] {
+    [width.div_ceil(8), height.div_ceil(8), 1]
+}
+
+/// Records a pass over all pixels: its own buffers, and those of the bake.
+#[expect(clippy::too_many_arguments, reason = "one line a pass where it is called")]
+fn run(
+    gpu: &Gpu,
+    timer: &mut Timer,
+    encoder: &mut wgpu::CommandEncoder,
+    kernel: &Kernel,
+    name: &'static str,
+    own: &[&wgpu::Buffer],
+    shadows: Option<&[wgpu::BindingResource<'_>]>,
+    size: [u32; 2],
+) {
+    let own: Vec<_> = own.iter().map(|buffer| buffer.as_entire_binding()).collect();
+    let mut groups = vec![gpu.group(&kernel.layouts[0], &own)];
+    groups.extend(shadows.map(|shadows| gpu.group(&kernel.layouts[1], shadows)));
+    kernel.run(encoder, timer.compute(name), &groups.iter().collect::<Vec<_>>(), tiles(size));
+}
+
+fn raster(
+    gpu: &Gpu,
+    timer: &mut Timer,
+    encoder: &mut wgpu::CommandEncoder,
+    raster: &super::passes::Raster,
+    buffers: &SceneBuffers,
+    frame: &wgpu::Buffer,
+    targets: &Targets,
+) {
+    let group = gpu.group(&raster.layout, &buffers.resources(frame));
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("raster"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &targets.visible_part,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: timer.render("raster"),
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    pass.set_bind_group(0, &group, &[]);
+    for (pipeline, cut_out) in [(&raster.opaque, false), (&raster.cut_out, true)] {
+        pass.set_pipeline(pipeline);
+        for (part, drawn) in (0..).zip(&buffers.parts) {
+            if drawn.is_cut_out == cut_out && drawn.vertices > 0 {
+                pass.draw(0..drawn.vertices, part..part + 1);
+            }
+        }
+    }
+}
+
+fn set_lookup(frame: &mut Frame, lookup: Lookup) {
+    let (code, filter) = match lookup {
+        Lookup::None => (0, None),
+        Lookup::Filter(filter) => (1, Some(filter)),
+        Lookup::Prefiltered(Prefilter::Mean) => (2, None),
+        Lookup::Prefiltered(Prefilter::Levels(filter)) => (3, Some(filter)),
+        Lookup::Penumbra(tangent, filter) => {
+            frame.sun_tangent = tangent as f32;
+            (4, Some(filter))
+        }
+    };
+    frame.shadow = code;
+    frame.radius = filter.map_or(0, Filter::radius);
+    frame.kernel = u32::from(filter.is_some_and(|f| f.kernel() == FilterKernel::Tent));
+}
+
+/// The baked lights that passes know: suns, then lamps. All of them are there: others were left out of the lighting.
+fn baked_lights<'f>(lighting: &Lighting, file: &'f ShadowFile) -> Vec<LightShadow<'f>> {
+    let suns = lighting.suns.iter().map(|sun| baked_light(file, sun.name.as_deref(), false));
+    let lamps = lighting.lamps.all().iter().map(|lamp| baked_light(file, Some(&lamp.name), true));
+    suns.chain(lamps).flatten().collect()
+}

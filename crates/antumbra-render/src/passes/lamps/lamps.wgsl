@@ -1,0 +1,76 @@
+// Adds the light of all lamps that reach a pixel, shadows looked up in the bake (Kämpe et al. 2015, section 4).
+
+@group(0) @binding(0) var<storage, read> frame: Frame;
+@group(0) @binding(1) var<storage, read> gbuffer: array<Texel>;
+@group(0) @binding(2) var<storage, read> lamps: array<Lamp>;
+@group(0) @binding(3) var<storage, read> lists: array<u32>;
+@group(0) @binding(4) var<storage, read_write> hdr: array<vec4<f32>>;
+// By pixel: how many lamps its shading looked at.
+@group(0) @binding(5) var<storage, read_write> counts: array<u32>;
+
+@group(1) @binding(0) var<storage, read> lights: array<AntumbraLight>;
+
+const FILTER: u32 = 1u;
+const MEAN: u32 = 2u;
+const LEVELS: u32 = 3u;
+
+fn luminance(color: vec3<f32>) -> f32 {
+    return dot(color, vec3(0.2126, 0.7152, 0.0722));
+}
+
+fn looked_up(light: AntumbraLight, s: Surface) -> f32 {
+    let filter_ = AntumbraFilter(frame.radius, frame.kernel);
+    switch frame.shadow {
+        case FILTER: { return antumbra_filtered(light, s.position, s.face_normal, filter_); }
+        case MEAN: { return antumbra_mean(light, s.position, s.face_normal, s.footprint_m); }
+        case LEVELS: { return antumbra_levels(light, s.position, s.face_normal, s.footprint_m, filter_); }
+        // A lamp has no size.
+        case 4u: { return antumbra_filtered(light, s.position, s.face_normal, filter_); }
+        default: { return 1.0; }
+    }
+}
+
+fn list_of(pixel: vec2<u32>, depth: f32) -> u32 {
+    let tile = pixel / frame.tile;
+    let index = tile.y * frame.tiles_x + tile.x;
+    if frame.layers == 0u {
+        return index * frame.list_words;
+    }
+    let layer = log2(max(depth / frame.first_layer_m, 1.0)) / log2(frame.layer_ratio) + select(0.0, 1.0, depth > frame.first_layer_m);
+    return (index * frame.layers + min(u32(layer), frame.layers - 1u)) * frame.list_words;
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= frame.size) {
+        return;
+    }
+    let index = pixel_index(frame, id.xy);
+    let texel = gbuffer[index];
+    counts[index] = 0u;
+    if texel.depth == 0.0 {
+        return;
+    }
+    let s = unpacked(frame, id.xy, texel);
+    let first = list_of(id.xy, texel.depth);
+    var light = vec3(0.0);
+    var count = 0u;
+    for (var word = 0u; word < frame.list_words; word++) {
+        var bits = lists[first + word];
+        while bits != 0u {
+            let lamp = lamps[32u * word + countTrailingZeros(bits)];
+            bits &= bits - 1u;
+            count += 1u;
+            let from_lamp = lamplight(lamp, s.position);
+            if all(from_lamp.irradiance <= vec3(0.0)) || !can_be_lit(s, from_lamp.towards) {
+                continue;
+            }
+            let seen = looked_up(lights[lamp.light], s);
+            if seen > 0.0 {
+                light += reflected(s, from_lamp.towards, from_lamp.irradiance, seen);
+            }
+        }
+    }
+    counts[index] = count;
+    hdr[index] += vec4(light * clearness(s), luminance(light));
+}
