@@ -156,19 +156,19 @@ impl Tables {
         for light in file.lights() {
             let first_face = tables.words.len() as u32;
             let record = light.record();
-            let levels = &file.level_roots[light.index];
-            let count = (1 + levels.len()) * light.faces();
+            // The light's own faces, then those of its coarse levels.
+            let own = (&record.roots[..light.faces()], &file.top_grids[light.index]);
+            let coarse = file.level_roots[light.index].iter().zip(&file.level_grids[light.index]);
+            let levels = core::iter::once(own).chain(coarse.map(|(roots, grids)| (&roots[..], grids)));
+            let count = (1 + file.level_roots[light.index].len()) * light.faces();
             tables.words.resize(tables.words.len() + 4 * count, 0);
-            for level in 0..=levels.len() {
-                for face in 0..light.faces() {
-                    let (root, grid) = match level {
-                        0 => (record.roots[face], light.top_grid(face)),
-                        _ => (levels[level - 1][face], &*file.level_grids[light.index][level - 1][face]),
-                    };
-                    let grid_at = tables.grid(&mut grids, grid);
-                    let log2_side = record.log2_resolution - level as u32;
-                    let at = first_face as usize + 4 * (level * light.faces() + face);
-                    tables.words[at..at + 4].copy_from_slice(&[root, log2_side, grid_at, log2_side - grid.level]);
+            let mut at = first_face as usize;
+            for (level, (roots, faces)) in (0..).zip(levels) {
+                let log2_side = record.log2_resolution - level;
+                for (root, grid) in roots.iter().zip(faces) {
+                    let row = [*root, log2_side, tables.grid(&mut grids, grid), log2_side - grid.level];
+                    tables.words[at..at + 4].copy_from_slice(&row);
+                    at += 4;
                 }
             }
             let enters = match &file.enters {

@@ -1,9 +1,10 @@
 //! `antumbra render`: a picture of a scene.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
-use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup};
+use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
 use antumbra_render::{Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera, look_at};
 use antumbra_scene::{Camera, LightKind, Scene};
 use anyhow::{Context, Result, bail};
@@ -113,7 +114,7 @@ pub fn run(args: &Args) -> Result<()> {
     let progress = Progress::new(args.run.quiet);
     progress.stage("reading");
     let mut scene = inputs::scene(&args.scene, &[])?;
-    let file = args.shadows.as_ref().map(|path| inputs::shadows(path)).transpose()?.map(|(file, _)| file);
+    let file = args.shadows.as_ref().map(|path| inputs::shadows(path)).transpose()?.map(|(file, _)| Arc::new(file));
     if let Some(file) = &file {
         light_as_baked(&mut scene, file);
     }
@@ -130,7 +131,7 @@ pub fn run(args: &Args) -> Result<()> {
     let options =
         RenderOptions { width, height, samples: args.samples, time: time(args), ao_samples, ..RenderOptions::default() };
     let picture = args.run.pool()?.install(|| match args.device {
-        Device::Gpu => draw_on_gpu(&scene, &camera, &options, shadows, &progress),
+        Device::Gpu => draw_on_gpu(scene, &camera, &options, shadows, file.clone(), &progress),
         Device::Auto | Device::Cpu => draw(&scene, &camera, &options, shadows, &progress),
     })?;
     progress.stage("writing");
@@ -209,23 +210,27 @@ pub fn draw(
 
 /// Draws on the graphics card.
 fn draw_on_gpu(
-    scene: &Scene,
+    scene: Scene,
     camera: &Camera,
     options: &RenderOptions,
     shadows: ShadowSource<'_>,
+    bake: Option<Arc<ShadowFile>>,
     progress: &Progress,
 ) -> Result<Picture> {
     progress.stage("opening the graphics card");
     let gpu = Gpu::open()?;
     progress.stage("preparing the scene");
+    let scene = Arc::new(scene);
     // Rays say how bright lamps make a scene.
-    let renderer = is_night(scene, options).then(|| Renderer::new(scene));
+    let rays = is_night(&scene, options).then(|| Renderer::new(&scene));
     let lookup = match shadows {
         ShadowSource::Dag { filter, .. } => Lookup::Filter(filter),
         ShadowSource::Prefiltered { how, .. } => Lookup::Prefiltered(how),
         _ => Lookup::None,
     };
-    let mut on_gpu = GpuRenderer::new(&gpu, scene, renderer.as_ref(), options.time, shadows, true)?;
+    let setting =
+        Setting { lights: scene.lights.clone(), time: options.time, bake, top_grid: true, rays: rays.as_ref() };
+    let mut on_gpu = GpuRenderer::new(&gpu, Arc::clone(&scene), setting)?;
     progress.stage("drawing");
     Ok(on_gpu.render(camera, options, lookup)?)
 }

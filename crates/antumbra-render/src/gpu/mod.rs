@@ -3,6 +3,7 @@
 //! Its passes are the twins of those on the CPU, in the same folders, and give the same pictures.
 
 mod baked;
+mod blit;
 mod device;
 mod frame;
 mod passes;
@@ -12,5 +13,5 @@ mod targets;
 mod timing;
 
 pub use device::{Gpu, Kernel, Slot};
-pub use renderer::{GpuRenderer, LampLists, Lookup};
+pub use renderer::{GpuRenderer, LampLists, Lookup, Setting};
 pub use timing::PassTime;

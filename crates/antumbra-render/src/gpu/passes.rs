@@ -14,6 +14,7 @@ const SKY: &str = include_str!("../passes/shade/sky.wgsl");
 const BRDF: &str = include_str!("../passes/shade/brdf.wgsl");
 const SHADE: &str = include_str!("../passes/shade/shade.wgsl");
 const TONEMAP: &str = include_str!("../passes/tonemap/tonemap.wgsl");
+const METER: &str = include_str!("../passes/tonemap/meter.wgsl");
 const LAMP: &str = include_str!("../passes/lamps/lamp.wgsl");
 const BOXES: &str = include_str!("../passes/lamps/boxes.wgsl");
 const CLUSTERS: &str = include_str!("../passes/lamps/clusters.wgsl");
@@ -31,6 +32,7 @@ pub(crate) fn sources(lookups: &str) -> Vec<(&'static str, String)> {
         ("sun shadows", [lookups, FRAME, TEXEL, CONSTANTS, BRDF, SHADOW].concat()),
         ("shading", [FRAME, TEXEL, SKY, BRDF, SHADE].concat()),
         ("tone mapping", [FRAME, TONEMAP].concat()),
+        ("meter", [FRAME, METER].concat()),
         ("tile boxes", [FRAME, TEXEL, LAMP, BOXES].concat()),
         ("clusters", [FRAME, LAMP, CLUSTERS].concat()),
         ("light lists", [FRAME, LAMP, LISTS].concat()),
@@ -45,6 +47,7 @@ pub(crate) struct Passes {
     pub resolve: Kernel,
     pub shade: Kernel,
     pub tonemap: Kernel,
+    pub meter: Kernel,
     pub boxes: Kernel,
     pub clusters: Kernel,
     pub lists: Kernel,
@@ -70,6 +73,7 @@ impl Passes {
             resolve: kernel("resolve", &[&GEOMETRY_SLOTS, &[Uints, Write]]),
             shade: kernel("shading", &[&[Read, Read, Read, Read, Read, Write]]),
             tonemap: kernel("tone mapping", &[&[Read, Read, Write]]),
+            meter: kernel("meter", &[&[Read, Read, Write]]),
             boxes: kernel("tile boxes", &[&[Read, Read, Write]]),
             clusters: kernel("clusters", &[&[Read, Write]]),
             lists: kernel("light lists", &[&[Read, Read, Read, Write]]),
@@ -198,6 +202,6 @@ mod tests {
                 found[2] += 1;
             }
         }
-        assert_eq!(found, [9, 4, 5]);
+        assert_eq!(found, [10, 4, 5]);
     }
 }

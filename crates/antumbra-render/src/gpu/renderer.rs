@@ -1,10 +1,13 @@
 //! Runs the passes on the graphics card.
 
+use std::sync::Arc;
+
 use antumbra::{Filter, Kernel as FilterKernel, LightShadow, Prefilter, ShadowFile};
-use antumbra_scene::{Camera, Scene};
+use antumbra_scene::{Camera, Light, Scene};
 use glam::{DVec2, DVec3, Vec3};
 
 use super::baked::Baked;
+use super::blit::Blit;
 use super::frame::{Frame, GpuLamp, SunLight, four};
 use super::passes::{Lookups, Passes};
 use super::scene::SceneBuffers;
@@ -44,24 +47,31 @@ pub enum Lookup {
 
 /// A scene on the graphics card, ready to be drawn from anywhere in the light of one time.
 #[derive(Debug)]
-pub struct GpuRenderer<'a> {
+pub struct GpuRenderer {
     gpu: Gpu,
-    scene: &'a Scene,
+    scene: Arc<Scene>,
     buffers: SceneBuffers,
     passes: Passes,
+    lit: Lit,
+    frame: wgpu::Buffer,
+    targets: Option<Targets>,
+    lists: Option<Lists>,
+    timer: Timer,
+    blit: Option<Blit>,
+    /// How lamps are found.
+    pub lamp_lists: LampLists,
+}
+
+/// The light of a scene, and its shadows, on the card.
+#[derive(Debug)]
+struct Lit {
     lighting: Lighting,
-    file: Option<&'a ShadowFile>,
+    bake: Option<Arc<ShadowFile>>,
     baked: Baked,
     lookups: Lookups,
     suns: wgpu::Buffer,
     sky: wgpu::Buffer,
-    frame: wgpu::Buffer,
     lamps: wgpu::Buffer,
-    targets: Option<Targets>,
-    lists: Option<Lists>,
-    timer: Timer,
-    /// How lamps are found.
-    pub lamp_lists: LampLists,
 }
 
 /// Lists of lamps for one size of picture.
@@ -77,26 +87,9 @@ struct Lists {
 const CLUSTER_TILE: u32 = 64;
 const CLUSTER_LAYERS: u32 = 24;
 
-impl<'a> GpuRenderer<'a> {
-    /// Brings a scene to the card, in the light of those of its lights whose shadows the source knows: a bake, or none at all
-    /// ([`ShadowSource::None`]). `renderer` is asked for rays at night, to see how bright lamps make the scene.
-    ///
-    /// # Errors
-    /// [`RenderError`] when something does not fit the card, the shadows lack all lights of the scene, or are to be traced.
-    pub fn new(
-        gpu: &Gpu,
-        scene: &'a Scene,
-        renderer: Option<&Renderer<'_>>,
-        time: Option<Time>,
-        shadows: ShadowSource<'a>,
-        top_grid: bool,
-    ) -> Result<Self, RenderError> {
-        let lights = shadows.known(&scene.lights)?;
-        let time = time.unwrap_or_else(|| Time::suiting(&lights));
-        let diagonal_m = scene.bounds(|_| true).diagonal();
-        let lighting = Lighting::new(&lights, time, diagonal_m, |lamps| renderer?.lamplit(lamps));
-        let file = shadows.file();
-        let baked = match file {
+impl Lit {
+    fn new(gpu: &Gpu, lighting: Lighting, bake: Option<Arc<ShadowFile>>, top_grid: bool) -> Result<Self, RenderError> {
+        let baked = match &bake {
             Some(file) => Baked::new(gpu, file, &baked_lights(&lighting, file), top_grid)?,
             None => Baked::none(gpu),
         };
@@ -104,23 +97,132 @@ impl<'a> GpuRenderer<'a> {
         let sky: Vec<[f32; 4]> = lighting.sky.radiance.iter().map(|radiance| four(*radiance)).collect();
         let lamps = lighting.lamps.all().len();
         Ok(Self {
-            buffers: SceneBuffers::new(gpu, scene)?,
-            passes: Passes::new(gpu),
             lookups: Lookups::new(gpu, &baked.lookups, &baked.slots),
             suns: gpu.buffer("suns", &suns),
             sky: gpu.buffer("sky", &sky),
-            frame: gpu.zeros("frame", size_of::<Frame>() as u64),
             lamps: gpu.zeros("lamps", (lamps * size_of::<GpuLamp>()) as u64),
+            lighting,
+            bake,
+            baked,
+        })
+    }
+
+    /// Moves the reference point of lamps and baked lights to the eye.
+    fn see_from(&self, gpu: &Gpu, eye: DVec3) {
+        if let Some(file) = &self.bake {
+            self.baked.see_from(gpu, file, eye);
+        }
+        let first = self.lighting.suns.len() as u32;
+        let least = self.lighting.lamps.least;
+        let lamps = self.lighting.lamps.all().iter().zip(first..);
+        let lamps: Vec<_> = lamps.map(|(lamp, light)| GpuLamp::new(lamp, eye, light, least)).collect();
+        if !lamps.is_empty() {
+            gpu.queue.write_buffer(&self.lamps, 0, bytemuck::cast_slice(&lamps));
+        }
+    }
+}
+
+/// What lights a picture, and casts shadows in it.
+#[derive(Clone)]
+pub struct Setting<'r> {
+    /// The lights; those that the bake lacks stay dark.
+    pub lights: Vec<Light>,
+    /// Day or night; `None` for what suits the lights.
+    pub time: Option<Time>,
+    /// The bake, if there is one.
+    pub bake: Option<Arc<ShadowFile>>,
+    /// Whether lookups begin at the top grid: faster, the same answers.
+    pub top_grid: bool,
+    /// Asked for rays at night, to see how bright lamps make the scene; without it that is a guess.
+    pub rays: Option<&'r Renderer<'r>>,
+}
+
+impl GpuRenderer {
+    /// Brings a scene to the card and lights it.
+    ///
+    /// # Errors
+    /// [`RenderError`] when something does not fit the card, or the bake lacks all of the lights.
+    pub fn new(gpu: &Gpu, scene: Arc<Scene>, setting: Setting<'_>) -> Result<Self, RenderError> {
+        Ok(Self {
+            buffers: SceneBuffers::new(gpu, &scene)?,
+            passes: Passes::new(gpu),
+            lit: lit(gpu, &scene, setting)?,
+            frame: gpu.zeros("frame", size_of::<Frame>() as u64),
             targets: None,
             lists: None,
             timer: Timer::new(gpu),
+            blit: None,
             lamp_lists: LampLists::default(),
             gpu: gpu.clone(),
             scene,
-            lighting,
-            file,
-            baked,
         })
+    }
+
+    /// Lights the scene anew, with another bake for instance. When it fails all stays as it was.
+    ///
+    /// # Errors
+    /// As [`GpuRenderer::new`].
+    pub fn relight(&mut self, setting: Setting<'_>) -> Result<(), RenderError> {
+        self.lit = lit(&self.gpu, &self.scene, setting)?;
+        self.lists = None;
+        Ok(())
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The graphics card.
+    #[must_use]
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Draws one frame of so many samples per pixel into the screen buffer, without waiting for it: for windows.
+    ///
+    /// # Errors
+    /// [`RenderError`] when the camera or the size make no sense.
+    pub fn frame(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        samples: u32,
+        lookup: Lookup,
+        exposure: f32,
+    ) -> Result<(), RenderError> {
+        let view = View::new(camera, size[0], size[1])?;
+        self.light(&view, samples.max(1), lookup);
+        self.develop(&view, samples.max(1), exposure);
+        Ok(())
+    }
+
+    /// Waits for the last frame and says which exposure suits it; 1 before the first.
+    ///
+    /// # Errors
+    /// [`RenderError::GpuLost`].
+    pub fn suitable_exposure(&mut self) -> Result<f32, RenderError> {
+        let Some(targets) = &self.targets else { return Ok(1.0) };
+        let samples = self.gpu.zeros("meter", 16 * 64 * 36);
+        let buffers = [&self.frame, &targets.hdr, &samples].map(|b| b.as_entire_binding());
+        let group = self.gpu.group(&self.passes.meter.layouts[0], &buffers);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.passes.meter.run(&mut encoder, None, &[&group], [8, 5, 1]);
+        self.gpu.queue.submit([encoder.finish()]);
+        let seen: Vec<[f32; 4]> = self.gpu.read(&samples)?;
+        Ok(tonemap::reference::exposure(&self.lit.lighting, &shaded(seen, 1.0)))
+    }
+
+    /// Records a copy of the screen buffer to a window's texture of the same size.
+    pub fn blit(&mut self, encoder: &mut wgpu::CommandEncoder, to: &wgpu::TextureView, format: wgpu::TextureFormat) {
+        let Some(targets) = &self.targets else { return };
+        let blit = match self.blit.take().filter(|blit| blit.format == format) {
+            Some(blit) => blit,
+            None => Blit::new(&self.gpu, format),
+        };
+        blit.run(&self.gpu, encoder, [&self.frame, &targets.screen], to);
+        self.blit = Some(blit);
     }
 
     /// Draws the scene, as [`Renderer::render`] does without gathered light (`ao_samples` of 0).
@@ -133,7 +235,7 @@ impl<'a> GpuRenderer<'a> {
         self.light(&view, options.samples, lookup);
         let exposure = match options.exposure {
             Some(exposure) => exposure,
-            None => tonemap::reference::exposure(&self.lighting, &self.shaded(options.samples)?),
+            None => tonemap::reference::exposure(&self.lit.lighting, &self.shaded(options.samples)?),
         };
         self.develop(&view, options.samples, exposure);
         self.picture(options.samples, exposure)
@@ -142,9 +244,10 @@ impl<'a> GpuRenderer<'a> {
     /// Renders a camera's view into the HDR buffer; nothing is read back.
     pub(crate) fn light(&mut self, view: &View, samples: u32, lookup: Lookup) {
         self.timer.begin_frame();
-        self.see_from(view.eye);
+        self.buffers.place(&self.gpu, &self.scene, view.eye);
+        self.lit.see_from(&self.gpu, view.eye);
         for sample in 0..samples {
-            let mut frame = Frame::new(view, &self.lighting, sample, samples, r2(sample));
+            let mut frame = Frame::new(view, &self.lit.lighting, sample, samples, r2(sample));
             set_lookup(&mut frame, lookup);
             self.set_lists(&mut frame);
             if !self.targets.as_ref().is_some_and(|targets| targets.suit(&frame)) {
@@ -159,28 +262,13 @@ impl<'a> GpuRenderer<'a> {
 
     /// Tone maps the HDR buffer into the screen buffer.
     pub(crate) fn develop(&mut self, view: &View, samples: u32, exposure: f32) {
-        let frame = Frame { exposure, ..Frame::new(view, &self.lighting, 0, samples, DVec2::ZERO) };
+        let frame = Frame { exposure, ..Frame::new(view, &self.lit.lighting, 0, samples, DVec2::ZERO) };
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         let Some(targets) = &self.targets else { return };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let buffers = [&self.frame, &targets.hdr, &targets.screen];
         run(&self.gpu, &mut self.timer, &mut encoder, &self.passes.tonemap, "tone mapping", &buffers, None, frame.size);
         self.gpu.queue.submit([encoder.finish()]);
-    }
-
-    /// Moves the reference point of everything to the eye.
-    fn see_from(&self, eye: DVec3) {
-        self.buffers.place(&self.gpu, self.scene, eye);
-        if let Some(file) = self.file {
-            self.baked.see_from(&self.gpu, file, eye);
-        }
-        let first = self.lighting.suns.len() as u32;
-        let least = self.lighting.lamps.least;
-        let lamps = self.lighting.lamps.all().iter().zip(first..);
-        let lamps: Vec<_> = lamps.map(|(lamp, light)| GpuLamp::new(lamp, eye, light, least)).collect();
-        if !lamps.is_empty() {
-            self.gpu.queue.write_buffer(&self.lamps, 0, bytemuck::cast_slice(&lamps));
-        }
     }
 
     /// Chooses the lamps' lists, and makes room for them.
@@ -190,7 +278,7 @@ impl<'a> GpuRenderer<'a> {
             LampLists::Clustered => (CLUSTER_TILE, CLUSTER_LAYERS),
         };
         // Layers grow from a hundredth of the scene's size to all of it.
-        frame.first_layer_m = (self.lighting.diagonal_m * 0.002).max(0.5) as f32;
+        frame.first_layer_m = (self.lit.lighting.diagonal_m * 0.002).max(0.5) as f32;
         frame.layer_ratio = 1.4;
         frame.tiles_x = frame.size[0].div_ceil(frame.tile);
         let of = (frame.size, frame.tile, frame.layers, frame.list_words);
@@ -208,7 +296,8 @@ impl<'a> GpuRenderer<'a> {
 
     /// Records one sample.
     fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
-        let Self { gpu, timer, passes, lookups, buffers, baked, targets, lists, .. } = self;
+        let Self { gpu, timer, passes, buffers, targets, lists, lit, .. } = self;
+        let Lit { baked, lookups, suns, sky, lamps, .. } = lit;
         let Some(targets) = targets else { return };
         raster(gpu, timer, encoder, &passes.raster, buffers, &self.frame, targets);
         let size = frame.size;
@@ -217,11 +306,11 @@ impl<'a> GpuRenderer<'a> {
         let seen = gpu.group(&passes.resolve.layouts[1], &seen);
         passes.resolve.run(encoder, timer.compute("resolve"), &[&geometry, &seen], tiles(size));
         let shadows = baked.resources();
-        let own = [&self.frame, &targets.gbuffer, &self.suns, &targets.sunlit];
+        let own = [&self.frame, &targets.gbuffer, suns, &targets.sunlit];
         if frame.suns > 0 {
             run(gpu, timer, encoder, &lookups.sun, "sun shadows", &own, Some(&shadows), size);
         }
-        let own = [&self.frame, &targets.gbuffer, &self.sky, &self.suns, &targets.sunlit, &targets.hdr];
+        let own = [&self.frame, &targets.gbuffer, sky, suns, &targets.sunlit, &targets.hdr];
         run(gpu, timer, encoder, &passes.shade, "shading", &own, None, size);
         let Some(lists) = lists.as_ref().filter(|_| frame.lamps > 0) else { return };
         if frame.layers == 0 {
@@ -232,12 +321,12 @@ impl<'a> GpuRenderer<'a> {
             let group = gpu.group(&passes.clusters.layouts[0], &group);
             passes.clusters.run(encoder, timer.compute("tile boxes"), &[&group], [lists.count.div_ceil(64), 1, 1]);
         }
-        let group = [&self.frame, &self.lamps, &lists.boxes, &lists.lists].map(|b| b.as_entire_binding());
+        let group = [&self.frame, lamps, &lists.boxes, &lists.lists].map(|b| b.as_entire_binding());
         let group = gpu.group(&passes.lists.layouts[0], &group);
         let groups = (lists.count * frame.list_words).div_ceil(64);
         let rows = groups.div_ceil(MOST_GROUPS);
         passes.lists.run(encoder, timer.compute("light lists"), &[&group], [groups.div_ceil(rows), rows, 1]);
-        let own = [&self.frame, &targets.gbuffer, &self.lamps, &lists.lists, &targets.hdr, &targets.counts];
+        let own = [&self.frame, &targets.gbuffer, lamps, &lists.lists, &targets.hdr, &targets.counts];
         run(gpu, timer, encoder, &lookups.lamps, "lamps", &own, Some(&shadows), size);
     }
 
@@ -260,18 +349,12 @@ impl<'a> GpuRenderer<'a> {
     /// Bytes of the bake on the card.
     #[must_use]
     pub fn baked_bytes(&self) -> u64 {
-        self.baked.bytes()
+        self.lit.baked.bytes()
     }
 
     fn shaded(&self, samples: u32) -> Result<Vec<Shaded>, RenderError> {
         let Some(targets) = &self.targets else { return Ok(Vec::new()) };
-        let hdr: Vec<[f32; 4]> = self.gpu.read(&targets.hdr)?;
-        let share = 1.0 / samples as f32;
-        let shaded = |[r, g, b, metered]: [f32; 4]| Shaded {
-            radiance: Vec3::new(r, g, b) * share,
-            metered: metered * share,
-        };
-        Ok(hdr.into_iter().map(shaded).collect())
+        Ok(shaded(self.gpu.read(&targets.hdr)?, 1.0 / samples as f32))
     }
 
     fn picture(&self, samples: u32, exposure: f32) -> Result<Picture, RenderError> {
@@ -285,6 +368,23 @@ impl<'a> GpuRenderer<'a> {
             exposure,
         })
     }
+}
+
+/// A scene's lights, those of them whose shadows are known.
+fn lit(gpu: &Gpu, scene: &Scene, setting: Setting<'_>) -> Result<Lit, RenderError> {
+    let Setting { lights, time, bake, top_grid, rays } = setting;
+    let known = bake.as_deref().map_or(ShadowSource::None, ShadowSource::of_file).known(&lights)?;
+    let time = time.unwrap_or_else(|| Time::suiting(&known));
+    let diagonal_m = scene.bounds(|_| true).diagonal();
+    let lighting = Lighting::new(&known, time, diagonal_m, |lamps| rays?.lamplit(lamps));
+    Lit::new(gpu, lighting, bake, top_grid)
+}
+
+/// The HDR buffer's contents, times a share.
+fn shaded(hdr: Vec<[f32; 4]>, share: f32) -> Vec<Shaded> {
+    let one =
+        |[r, g, b, metered]: [f32; 4]| Shaded { radiance: Vec3::new(r, g, b) * share, metered: metered * share };
+    hdr.into_iter().map(one).collect()
 }
 
 /// Most workgroups to a side of a dispatch that every card takes.

@@ -36,6 +36,12 @@ pub enum ShadowSource<'a> {
 }
 
 impl<'a> ShadowSource<'a> {
+    /// A bake, however it is looked up.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn of_file(shadows: &'a ShadowFile) -> Self {
+        Self::Prefiltered { shadows, how: Prefilter::Mean }
+    }
+
     /// The bake, if there is one.
     pub(crate) fn file(self) -> Option<&'a ShadowFile> {
         match self {
