@@ -40,6 +40,9 @@ pub enum RenderError {
     /// The exposure is not a positive number.
     #[error("an exposure of {0}: give a positive number")]
     Exposure(f32),
+    /// Fog that is no fog.
+    #[error("fog of density {0} per metre: give a density above 0, and an anisotropy between -1 and 1")]
+    Fog(f64),
     /// The shadow file has none of the scene's lights.
     #[error("the shadow file has no light `{light}`; it has: {present}")]
     LightNotInFile {

@@ -31,6 +31,8 @@ pub mod trace;
 pub use camera::{default_camera, look_at};
 pub use error::RenderError;
 pub use light::Time;
+pub use passes::csm::{Cascades, MapFilter};
+pub use passes::fog::Fog;
 pub use passes::shadow::ShadowSource;
 pub use picture::Picture;
 pub use render::{Progress, RenderOptions, Renderer, render};

@@ -11,6 +11,7 @@ use crate::{
     passes::{
         World,
         ambient::{self, Gathered},
+        fog::{self, Fog},
         gbuffer,
         shade::{
             self,
@@ -42,11 +43,13 @@ pub struct RenderOptions {
     pub exposure: Option<f32>,
     /// Day or night; `None` for what suits the lights ([`Time::suiting`]).
     pub time: Option<Time>,
+    /// Fog in the air, with shafts of sunlight.
+    pub fog: Option<Fog>,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { width: 1280, height: 720, samples: 4, ao_samples: 12, exposure: None, time: None }
+        Self { width: 1280, height: 720, samples: 4, ao_samples: 12, exposure: None, time: None, fog: None }
     }
 }
 
@@ -54,6 +57,7 @@ impl RenderOptions {
     pub(crate) fn check(&self) -> Result<(), RenderError> {
         within("samples", self.samples, 1, 1024)?;
         within("ao_samples", self.ao_samples, 0, 4096)?;
+        self.fog.map_or(Ok(()), |fog| fog.check())?;
         match self.exposure {
             Some(e) if !(e.is_finite() && e > 0.0) => Err(RenderError::Exposure(e)),
             _ => Ok(()),
@@ -114,7 +118,7 @@ impl<'a> Renderer<'a> {
         let lights = shadows.known(&self.scene.lights)?;
         let time = options.time.unwrap_or_else(|| Time::suiting(&lights));
         let world = World::new(&self.tracer, &self.surfaces, &lights, time);
-        let shadows = Shadows::new(&world, shadows);
+        let shadows = Shadows::new(&world, shadows, &view);
         let job = Job { world: &world, view, shadows, options, progress, done: AtomicUsize::new(0) };
         let gathered = job.gather();
         let shaded = job.shade(&gathered);
@@ -167,7 +171,12 @@ impl Job<'_> {
         self.rows(|y| {
             let texels = gbuffer::reference::row(self.world, &self.view, y, self.options.samples);
             let beams = shadow::reference::row(self.world, &self.shadows, &texels);
-            let inputs = Inputs { texels: &texels, beams: &beams, gathered, samples: self.options.samples };
+            let veils = match &self.options.fog {
+                Some(fog) => fog::reference::row(self.world, &self.shadows, fog, self.view.eye, &texels),
+                None => Vec::new(),
+            };
+            let inputs =
+                Inputs { texels: &texels, beams: &beams, gathered, veils: &veils, samples: self.options.samples };
             let row = shade::reference::row(self.world, &self.view, y, &inputs);
             self.step();
             row
@@ -175,7 +184,8 @@ impl Job<'_> {
     }
 
     fn develop(&self, shaded: &[Shaded]) -> Picture {
-        let exposure = self.options.exposure.unwrap_or_else(|| tonemap::reference::exposure(&self.world.lighting, shaded));
+        let exposure =
+            self.options.exposure.unwrap_or_else(|| tonemap::reference::exposure(&self.world.lighting, shaded));
         Picture {
             width: self.view.width,
             height: self.view.height,

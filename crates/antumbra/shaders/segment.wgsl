@@ -186,20 +186,28 @@ fn antumbra_step(light: AntumbraLight, walk: ptr<function, AntumbraWalk>) -> Ant
     return AntumbraSpan(to, cell.is_lit);
 }
 
+// What a lit part of a line counts: its length, or what reaches the line's start through fog of some optical depth in all.
+fn antumbra_lit_weight(optical_depth: f32, from_t: f32, to_t: f32) -> f32 {
+    if optical_depth == 0.0 {
+        return to_t - from_t;
+    }
+    return exp(-optical_depth * from_t) - exp(-optical_depth * to_t);
+}
+
 // Lit part of one leg of a line, which stays on one face.
-fn antumbra_lit_leg(light: AntumbraLight, line: AntumbraLine, leg: vec2<f32>) -> f32 {
+fn antumbra_lit_leg(light: AntumbraLight, line: AntumbraLine, leg: vec2<f32>, optical_depth: f32) -> f32 {
     let part = antumbra_clipped(light, line, leg);
     if !(part.x < part.y) {
-        return leg.y - leg.x;
+        return antumbra_lit_weight(optical_depth, leg.x, leg.y);
     }
     // Beside the volume and before it: lit.
-    var lit = (part.x - leg.x) + (leg.y - part.y);
+    var lit = antumbra_lit_weight(optical_depth, leg.x, part.x) + antumbra_lit_weight(optical_depth, part.y, leg.y);
     var walk = antumbra_walk(light, line, part);
     while !walk.is_done {
         let from_t = walk.at;
         let span = antumbra_step(light, &walk);
         if span.is_lit {
-            lit += span.to - from_t;
+            lit += antumbra_lit_weight(optical_depth, from_t, span.to);
         }
     }
     return lit;
@@ -222,11 +230,23 @@ fn antumbra_cone_crossings(light: AntumbraLight, line: AntumbraLine) -> vec2<f32
 
 // How much of the segment from one point to another is lit: 0 to 1.
 fn antumbra_lit_share(light: AntumbraLight, from_point: vec3<f32>, to_point: vec3<f32>) -> f32 {
+    return antumbra_lit_through(light, from_point, to_point, 0.0);
+}
+
+// Light that fog along a segment, of some optical depth in all, scatters and lets through to the segment's start, relative
+// to that of endless fog in full light: the sum over lit runs of the difference of transmittance. With an optical depth of 0
+// it is the lit share.
+fn antumbra_lit_through(
+    light: AntumbraLight,
+    from_point: vec3<f32>,
+    to_point: vec3<f32>,
+    optical_depth: f32,
+) -> f32 {
     let start = antumbra_rotated(light, from_point) + light.fraction.xyz;
     let step = antumbra_rotated(light, to_point - from_point);
     var line = AntumbraLine(start, step, light.whole.xyz, 0u);
     if light.kind == ANTUMBRA_DIRECTIONAL {
-        return clamp(antumbra_lit_leg(light, line, vec2(0.0, 1.0)), 0.0, 1.0);
+        return clamp(antumbra_lit_leg(light, line, vec2(0.0, 1.0), optical_depth), 0.0, 1.0);
     }
     // Parameters at which the line may change faces or pass the cone. One too many does no harm: legs are judged by their
     // middles.
@@ -257,7 +277,7 @@ fn antumbra_lit_share(light: AntumbraLight, from_point: vec3<f32>, to_point: vec
             let face = antumbra_face_of(light, middle);
             line = AntumbraLine(antumbra_on_face(start, face), antumbra_on_face(step, face), vec3(0), 0u);
             line.face = select(0u, face, light.faces == 6u);
-            lit += antumbra_lit_leg(light, line, vec2(at, end));
+            lit += antumbra_lit_leg(light, line, vec2(at, end), optical_depth);
         }
         at = end;
     }

@@ -148,9 +148,10 @@ struct At {
 
 impl Tables {
     /// The tables of all lights of a file: 16 bytes for each face and coarse level, its top grid (128 KiB for a sun, 16 KiB for
-    /// a lamp's face; each once), and the enter depths.
+    /// a lamp's face; each once), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
+    /// MB for each face).
     #[must_use]
-    pub fn new(file: &ShadowFile) -> Self {
+    pub fn new(file: &ShadowFile, wants_enters: impl Fn(LightShadow<'_>) -> bool) -> Self {
         let mut tables = Self::none();
         let mut grids = BTreeMap::new();
         for light in file.lights() {
@@ -172,8 +173,8 @@ impl Tables {
                 }
             }
             let enters = match &file.enters {
-                Some(enters) => tables.enters(&enters[light.index].faces),
-                None => 0,
+                Some(enters) if wants_enters(light) => tables.enters(&enters[light.index].faces),
+                _ => 0,
             };
             tables.lights.push(At { first_face, enters });
         }
@@ -309,11 +310,8 @@ impl GpuLight {
         let side = f64::from(record.resolution());
         let share = record.near_m / record.far_m;
         let octaves = -libm::log2(share);
-        let slice = if is_ndc {
-            (1.0 - share) / (record.near_m * side)
-        } else {
-            octaves * core::f64::consts::LN_2 / side
-        };
+        let slice =
+            if is_ndc { (1.0 - share) / (record.near_m * side) } else { octaves * core::f64::consts::LN_2 / side };
         Self {
             texel: (1.0 / record.texels_per_tangent) as f32,
             slice: slice as f32,

@@ -137,8 +137,7 @@ fn coarse_levels_are_the_same_bit_for_bit() {
         assert!(light.has_levels());
         for level in 1..=light.record().log2_resolution - 6 {
             let voxels: Vec<_> = (0..POINTS / 8).map(|_| voxel(random, light, face) >> level).collect();
-            let ask =
-                |v: &UVec3| Query { voxel: v.as_ivec3(), level, ..card.query(Op::IsLit, light, face) };
+            let ask = |v: &UVec3| Query { voxel: v.as_ivec3(), level, ..card.query(Op::IsLit, light, face) };
             for (v, answer) in voxels.iter().zip(card.ask(voxels.iter().map(ask))) {
                 assert_eq!(answer.words[0] == 1, light.is_lit_on_level(level, face, v.to_array()), "{v} {level}");
             }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
 use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
-use antumbra_render::{Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera, look_at};
+use antumbra_render::{
+    Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera, look_at,
+};
 use antumbra_scene::{Camera, LightKind, Scene};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -51,6 +53,19 @@ pub struct Args {
     /// Average baked shadows over what each pixel covers
     #[arg(long, value_enum, value_name = "HOW", default_value_t = PrefilterArg::None)]
     prefilter: PrefilterArg,
+    /// Penumbrae of a sun of so many degrees in diameter (the real one has 0.53), which harden on contact; for a bake made
+    /// with --enter-depths
+    #[arg(long, value_name = "DEG", conflicts_with = "prefilter")]
+    penumbra: Option<f64>,
+    /// Shadow maps of --technique csm: 1 to 8
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=8))]
+    cascades: u32,
+    /// Texels per side of each of them: 64 to 8192
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(64..=8192))]
+    map_size: u32,
+    /// Fog: the share of light that a metre of it takes away, such as 0.002. The sun makes shafts in it
+    #[arg(long, value_name = "PER-METRE")]
+    fog: Option<f64>,
     /// In daylight [default: unless the scene has lamps and no directional light of 10 lux or more]
     #[arg(long, conflicts_with = "night")]
     day: bool,
@@ -81,7 +96,7 @@ enum Technique {
     Dag,
     /// Rays towards the light
     Traced,
-    /// Cascaded shadow maps (not in this version)
+    /// Cascaded shadow maps of the sun; lamps cast no shadows
     Csm,
 }
 
@@ -119,8 +134,9 @@ pub fn run(args: &Args) -> Result<()> {
         light_as_baked(&mut scene, file);
     }
     let camera = camera(args, &scene)?;
-    let shadows = match &file {
-        Some(file) if baked => {
+    let shadows = match (args.technique, &file) {
+        (Some(Technique::Csm), _) => maps(args)?,
+        (_, Some(file)) if baked => {
             warn_of_policies(&scene, file);
             looked_up(args, file)?
         }
@@ -128,8 +144,15 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let [width, height] = args.size;
     let ao_samples = args.gather.unwrap_or(if args.device == Device::Auto { 12 } else { 0 });
-    let options =
-        RenderOptions { width, height, samples: args.samples, time: time(args), ao_samples, ..RenderOptions::default() };
+    let options = RenderOptions {
+        width,
+        height,
+        samples: args.samples,
+        time: time(args),
+        ao_samples,
+        fog: args.fog.map(|density_per_m| Fog { density_per_m, anisotropy: 0.5 }),
+        ..RenderOptions::default()
+    };
     let picture = args.run.pool()?.install(|| match args.device {
         Device::Gpu => draw_on_gpu(scene, &camera, &options, shadows, file.clone(), &progress),
         Device::Auto | Device::Cpu => draw(&scene, &camera, &options, shadows, &progress),
@@ -149,12 +172,12 @@ fn is_baked(args: &Args) -> Result<bool> {
         if args.gather.is_some_and(|rays| rays > 0) {
             bail!("--gather sends rays, which the graphics card does not: leave it out, or --device gpu");
         }
-        if args.technique == Some(Technique::Traced) || (args.technique.is_none() && args.shadows.is_none()) {
+        let traced = args.technique.map_or(args.shadows.is_none(), |technique| technique == Technique::Traced);
+        if traced {
             bail!("the graphics card traces no rays: name a bake with --shadows FILE, or leave out --device gpu");
         }
     }
     match (args.technique, args.shadows.is_some()) {
-        (Some(Technique::Csm), _) => bail!("--technique csm is not in this version; use dag or traced"),
         (Some(Technique::Dag), false) => bail!("--technique dag needs a bake: name one with --shadows FILE"),
         (technique, shadows) => {
             let baked = technique.map_or(shadows, |t| t == Technique::Dag);
@@ -169,6 +192,17 @@ fn is_baked(args: &Args) -> Result<bool> {
 /// The bake as a source of shadows, filtered as wished.
 fn looked_up<'a>(args: &Args, file: &'a ShadowFile) -> Result<ShadowSource<'a>> {
     let filter = args.filter.filter(1)?;
+    if let Some(degrees) = args.penumbra {
+        if !(degrees > 0.0 && degrees <= 30.0) {
+            bail!("--penumbra {degrees}: give more than 0 and at most 30 degrees");
+        }
+        if !file.lights().any(LightShadow::has_enter_depths) {
+            let path = args.shadows.as_deref().unwrap_or(Path::new("the bake"));
+            bail!("{} has no enter depths for --penumbra; bake it again with --enter-depths", path.display());
+        }
+        let sun_tangent = (0.5 * degrees.to_radians()).tan();
+        return Ok(ShadowSource::Penumbra { shadows: file, sun_tangent, filter });
+    }
     let how = match args.prefilter {
         PrefilterArg::None => return Ok(ShadowSource::Dag { shadows: file, filter }),
         PrefilterArg::Mean if args.filter.filter.is_some() => {
@@ -182,6 +216,16 @@ fn looked_up<'a>(args: &Args, file: &'a ShadowFile) -> Result<ShadowSource<'a>> 
         bail!("{} has no coarse levels for --prefilter levels; bake it again with --levels", path.display());
     }
     Ok(ShadowSource::Prefiltered { shadows: file, how })
+}
+
+/// Shadow maps as wished: filtered over four texels, or by --filter.
+fn maps<'a>(args: &Args) -> Result<ShadowSource<'a>> {
+    let filter = match args.filter.filter {
+        None => MapFilter::Bilinear,
+        Some(_) => MapFilter::Taps(args.filter.filter(1)?),
+    };
+    let cascades = Cascades { count: args.cascades, size: args.map_size, ..Cascades::default() };
+    Ok(ShadowSource::Maps { cascades, filter })
 }
 
 fn time(args: &Args) -> Option<Time> {
@@ -226,8 +270,12 @@ fn draw_on_gpu(
     let lookup = match shadows {
         ShadowSource::Dag { filter, .. } => Lookup::Filter(filter),
         ShadowSource::Prefiltered { how, .. } => Lookup::Prefiltered(how),
+        ShadowSource::Penumbra { sun_tangent, filter, .. } => Lookup::Penumbra(sun_tangent, filter),
+        ShadowSource::Maps { cascades, filter } => Lookup::Maps(cascades, filter),
         _ => Lookup::None,
     };
+    // Maps shadow all suns, baked or not.
+    let bake = bake.filter(|_| !matches!(lookup, Lookup::Maps(..)));
     let setting =
         Setting { lights: scene.lights.clone(), time: options.time, bake, top_grid: true, rays: rays.as_ref() };
     let mut on_gpu = GpuRenderer::new(&gpu, Arc::clone(&scene), setting)?;

@@ -1,7 +1,7 @@
 //! A bake on the graphics card.
 
 use antumbra::shaders::{GpuLight, Lookup, Tables, pages, source};
-use antumbra::{LightShadow, ShadowFile};
+use antumbra::{LightKind, LightShadow, ShadowFile};
 use glam::DVec3;
 
 use super::{Gpu, Slot};
@@ -34,7 +34,9 @@ impl Baked {
             pages(pool, gpu.most_bytes()).filter(|(_, parts)| parts.len() <= most_pages).ok_or_else(too_large)?;
         let lookup =
             Lookup { group: 1, binding: 1, pages: parts.len() as u32, log2_page_words, top_grid, counting: false };
-        let tables = Tables::new(file);
+        // Lamps have no size, and so no penumbrae.
+        let tables = Tables::new(file, |light| light.kind() == LightKind::Directional);
+        gpu.check_size("the bake's tables", 4 * tables.words().len() as u64)?;
         let mut buffers = vec![gpu.buffer("lookup tables", tables.words())];
         buffers.extend(parts.iter().map(|part| gpu.buffer("node pool", part)));
         Ok(Self {

@@ -45,7 +45,11 @@ pub(crate) struct Frame {
     pub first_layer_m: f32,
     pub layer_ratio: f32,
     pub cascades: u32,
-    pub shaft_m: f32,
+    pub fog_per_m: f32,
+    pub fog_end_m: f32,
+    pub fog_anisotropy: f32,
+    pub pad_0: u32,
+    pub pad_1: u32,
 }
 
 /// Three numbers and a 0.

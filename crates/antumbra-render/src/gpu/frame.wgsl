@@ -44,11 +44,16 @@ struct Frame {
     tiles_x: u32,
     layers: u32,
     list_words: u32,
-    // Depths where the first layer ends and by what factor each is deeper; cascades in use; length of sun shafts.
+    // Depths where the first layer ends and by what factor each is deeper; cascades in use for each sun.
     first_layer_m: f32,
     layer_ratio: f32,
     cascades: u32,
-    shaft_m: f32,
+    // Fog: extinction per metre (0 for none), how far it reaches, Henyey and Greenstein's g.
+    fog_per_m: f32,
+    fog_end_m: f32,
+    fog_anisotropy: f32,
+    pad_0: u32,
+    pad_1: u32,
 }
 
 // The ray through a point of the picture, in pixels from the upper left corner; its part along `forward` is 1.

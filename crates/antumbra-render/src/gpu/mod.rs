@@ -4,6 +4,7 @@
 
 mod baked;
 mod blit;
+mod csm;
 mod device;
 mod frame;
 mod passes;

@@ -10,6 +10,9 @@ const GEOMETRY: &str = include_str!("../passes/gbuffer/geometry.wgsl");
 const RASTER: &str = include_str!("../passes/gbuffer/raster.wgsl");
 const RESOLVE: &str = include_str!("../passes/gbuffer/resolve.wgsl");
 const SHADOW: &str = include_str!("../passes/shadow/shadow.wgsl");
+const CSM: &str = include_str!("../passes/csm/csm.wgsl");
+const DEPTH: &str = include_str!("../passes/csm/depth.wgsl");
+const FOG: &str = include_str!("../passes/fog/fog.wgsl");
 const SKY: &str = include_str!("../passes/shade/sky.wgsl");
 const BRDF: &str = include_str!("../passes/shade/brdf.wgsl");
 const SHADE: &str = include_str!("../passes/shade/shade.wgsl");
@@ -22,14 +25,16 @@ const LISTS: &str = include_str!("../passes/lamps/lists.wgsl");
 const LAMPS: &str = include_str!("../passes/lamps/lamps.wgsl");
 const CONSTANTS: &str = "const PI: f32 = 3.14159265;";
 
-use Slot::{Read, Uints, Write};
+use Slot::{DepthLayers, Read, Uints, Write};
 
 /// The text of each pass, for tests without a driver. `lookups` is that of the baked lights.
 pub(crate) fn sources(lookups: &str) -> Vec<(&'static str, String)> {
     vec![
         ("raster", [FRAME, GEOMETRY, RASTER].concat()),
         ("resolve", [FRAME, TEXEL, GEOMETRY, RESOLVE].concat()),
-        ("sun shadows", [lookups, FRAME, TEXEL, CONSTANTS, BRDF, SHADOW].concat()),
+        ("shadow map", [FRAME, GEOMETRY, DEPTH].concat()),
+        ("sun shadows", [lookups, FRAME, TEXEL, CONSTANTS, BRDF, CSM, SHADOW].concat()),
+        ("fog", [lookups, FRAME, TEXEL, CONSTANTS, CSM, FOG].concat()),
         ("shading", [FRAME, TEXEL, SKY, BRDF, SHADE].concat()),
         ("tone mapping", [FRAME, TONEMAP].concat()),
         ("meter", [FRAME, METER].concat()),
@@ -44,6 +49,7 @@ pub(crate) fn sources(lookups: &str) -> Vec<(&'static str, String)> {
 #[derive(Debug)]
 pub(crate) struct Passes {
     pub raster: Raster,
+    pub shadow_map: DepthRaster,
     pub resolve: Kernel,
     pub shade: Kernel,
     pub tonemap: Kernel,
@@ -57,6 +63,7 @@ pub(crate) struct Passes {
 #[derive(Debug)]
 pub(crate) struct Lookups {
     pub sun: Kernel,
+    pub fog: Kernel,
     pub lamps: Kernel,
 }
 
@@ -70,8 +77,9 @@ impl Passes {
         let kernel = |name: &str, groups: &[&[Slot]]| gpu.kernel(name, source(&sources, name), groups);
         Self {
             raster: Raster::new(gpu, source(&sources, "raster")),
+            shadow_map: DepthRaster::new(gpu, source(&sources, "shadow map")),
             resolve: kernel("resolve", &[&GEOMETRY_SLOTS, &[Uints, Write]]),
-            shade: kernel("shading", &[&[Read, Read, Read, Read, Read, Write]]),
+            shade: kernel("shading", &[&[Read, Read, Read, Read, Read, Write, Read]]),
             tonemap: kernel("tone mapping", &[&[Read, Read, Write]]),
             meter: kernel("meter", &[&[Read, Read, Write]]),
             boxes: kernel("tile boxes", &[&[Read, Read, Write]]),
@@ -84,10 +92,11 @@ impl Passes {
 impl Lookups {
     pub fn new(gpu: &Gpu, lookups: &str, slots: &[Slot]) -> Self {
         let sources = sources(lookups);
-        let kernel = |name: &str, own: &[Slot]| gpu.kernel(name, source(&sources, name), &[own, slots]);
+        let kernel = |name: &str, groups: &[&[Slot]]| gpu.kernel(name, source(&sources, name), groups);
         Self {
-            sun: kernel("sun shadows", &[Read, Read, Read, Write]),
-            lamps: kernel("lamps", &[Read, Read, Read, Read, Write, Write]),
+            sun: kernel("sun shadows", &[&[Read, Read, Read, Write], slots, &[Read, DepthLayers]]),
+            lamps: kernel("lamps", &[&[Read, Read, Read, Read, Write, Write, Read], slots]),
+            fog: kernel("fog", &[&[Read, Read, Read, Write], slots, &[Read, DepthLayers]]),
         }
     }
 }
@@ -102,46 +111,90 @@ pub(crate) struct Raster {
 
 impl Raster {
     fn new(gpu: &Gpu, text: &str) -> Self {
+        let layouts = [gpu.layout(&GEOMETRY_SLOTS, wgpu::ShaderStages::VERTEX_FRAGMENT)];
+        let make = Pipelines::new(gpu, "raster", text, &layouts, wgpu::CompareFunction::Greater);
+        let targets = [Some(VISIBLE_FORMAT.into())];
+        let (opaque, cut_out) = (make.pipeline(Some("opaque"), &targets), make.pipeline(Some("cut_out"), &targets));
+        let [layout] = layouts;
+        Self { layout, opaque, cut_out }
+    }
+}
+
+/// Draws the depth of triangles into shadow maps.
+#[derive(Debug)]
+pub(crate) struct DepthRaster {
+    pub layouts: [wgpu::BindGroupLayout; 2],
+    pub opaque: wgpu::RenderPipeline,
+    pub cut_out: wgpu::RenderPipeline,
+}
+
+impl DepthRaster {
+    fn new(gpu: &Gpu, text: &str) -> Self {
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let layouts = [gpu.layout(&GEOMETRY_SLOTS, stages), gpu.layout(&[Read], stages)];
+        let make = Pipelines::new(gpu, "shadow map", text, &layouts, wgpu::CompareFunction::Less);
+        let (opaque, cut_out) = (make.pipeline(None, &[]), make.pipeline(Some("cut_out"), &[]));
+        Self { layouts, opaque, cut_out }
+    }
+}
+
+/// What pipelines that draw triangles have in common.
+struct Pipelines<'a> {
+    gpu: &'a Gpu,
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    nearer: wgpu::CompareFunction,
+}
+
+impl<'a> Pipelines<'a> {
+    fn new(
+        gpu: &'a Gpu,
+        label: &str,
+        text: &str,
+        layouts: &[wgpu::BindGroupLayout],
+        nearer: wgpu::CompareFunction,
+    ) -> Self {
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("raster"),
+            label: Some(label),
             source: wgpu::ShaderSource::Wgsl(text.into()),
         });
-        let layout = gpu.layout(&GEOMETRY_SLOTS, wgpu::ShaderStages::VERTEX_FRAGMENT);
-        let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("raster"),
-            bind_group_layouts: &[Some(&layout)],
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &layouts.iter().map(Some).collect::<Vec<_>>(),
             immediate_size: 0,
         });
-        let pipeline = |fragment: &str| {
-            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(fragment),
-                layout: Some(&pipeline_layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("corner"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: DEPTH_FORMAT,
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(fragment),
-                    compilation_options: Default::default(),
-                    targets: &[Some(VISIBLE_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
-        Self { opaque: pipeline("opaque"), cut_out: pipeline("cut_out"), layout }
+        Self { gpu, module, layout, nearer }
+    }
+
+    /// With a fragment shader, or depth alone.
+    fn pipeline(&self, fragment: Option<&str>, targets: &[Option<wgpu::ColorTargetState>]) -> wgpu::RenderPipeline {
+        self.gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: fragment,
+            layout: Some(&self.layout),
+            vertex: wgpu::VertexState {
+                module: &self.module,
+                entry_point: Some("corner"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(self.nearer),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: fragment.map(|entry_point| wgpu::FragmentState {
+                module: &self.module,
+                entry_point: Some(entry_point),
+                compilation_options: Default::default(),
+                targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
     }
 }
 
@@ -153,6 +206,7 @@ mod tests {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     use super::*;
+    use crate::gpu::csm::GpuCascade;
     use crate::gpu::frame::{Frame, GpuLamp};
 
     fn modules() -> Vec<(&'static str, naga::Module)> {
@@ -185,8 +239,8 @@ mod tests {
     fn passes_are_valid_and_their_structs_lie_in_memory_as_here() {
         let frame = offsets!(Frame: right up forward size sample samples jitter pixel_size footprint near visible_m glow
             suns towards_sun sun_azimuth plain overhead disc fill stars exposure lamps shadow radius kernel sun_tangent
-            tile tiles_x layers list_words first_layer_m layer_ratio cascades shaft_m);
-        let mut found = [0; 3];
+            tile tiles_x layers list_words first_layer_m layer_ratio cascades fog_per_m fog_end_m fog_anisotropy pad_0 pad_1);
+        let mut found = [0; 4];
         for (name, module) in modules() {
             if let Some(there) = layout(&module, "Frame") {
                 assert_eq!(there, frame, "{name}");
@@ -197,11 +251,16 @@ mod tests {
                 assert_eq!((&members[..here.0.len()], size), (&here.0[..], here.1), "{name}");
                 found[1] += 1;
             }
+            if let Some(there) = layout(&module, "Cascade") {
+                let here = offsets!(GpuCascade: row_x row_y row_z texel_m depth_m size pad);
+                assert_eq!(there, here, "{name}");
+                found[3] += 1;
+            }
             if let Some((_, size)) = layout(&module, "Texel") {
                 assert_eq!(size as u64, crate::gpu::targets::TEXEL_BYTES, "{name}");
                 found[2] += 1;
             }
         }
-        assert_eq!(found, [10, 4, 5]);
+        assert_eq!(found, [12, 4, 6, 3]);
     }
 }

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use antumbra::{Filter, Kernel as FilterKernel, LightShadow, Prefilter, ShadowFile};
-use antumbra_scene::{Camera, Light, Scene};
+use antumbra_scene::{Bounds, Camera, Light, Scene};
 use glam::{DVec2, DVec3, Vec3};
 
 use super::baked::Baked;
 use super::blit::Blit;
+use super::csm::Maps;
 use super::frame::{Frame, GpuLamp, SunLight, four};
 use super::passes::{Lookups, Passes};
 use super::scene::SceneBuffers;
@@ -15,12 +16,13 @@ use super::targets::Targets;
 use super::timing::{PassTime, Timer};
 use super::{Gpu, Kernel};
 use crate::camera::View;
+use crate::passes::csm::Casters;
 use crate::passes::shade::reference::Shaded;
 use crate::passes::tonemap;
 use crate::passes::{Lighting, baked_light};
 use crate::render::RenderOptions;
 use crate::sampling::r2;
-use crate::{Picture, RenderError, Renderer, ShadowSource, Time};
+use crate::{Cascades, Fog, MapFilter, Picture, RenderError, Renderer, ShadowSource, Time};
 
 /// How lamps are found that may reach a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,6 +43,8 @@ pub enum Lookup {
     Filter(Filter),
     /// Averaged over what a pixel covers.
     Prefiltered(Prefilter),
+    /// In cascaded shadow maps of everything, drawn anew for each frame; lamps are not shadowed, but by a bake's filter.
+    Maps(Cascades, MapFilter),
     /// With penumbrae of a sun whose radius is seen under an angle of this tangent; lamps by the filter.
     Penumbra(f64, Filter),
 }
@@ -58,8 +62,12 @@ pub struct GpuRenderer {
     lists: Option<Lists>,
     timer: Timer,
     blit: Option<Blit>,
+    maps: Maps,
+    bounds: Bounds,
     /// How lamps are found.
     pub lamp_lists: LampLists,
+    /// Fog in the air.
+    pub fog: Option<Fog>,
 }
 
 /// The light of a scene, and its shadows, on the card.
@@ -152,7 +160,10 @@ impl GpuRenderer {
             lists: None,
             timer: Timer::new(gpu),
             blit: None,
+            maps: Maps::none(gpu),
+            bounds: scene.bounds(|_| true),
             lamp_lists: LampLists::default(),
+            fog: None,
             gpu: gpu.clone(),
             scene,
         })
@@ -231,6 +242,7 @@ impl GpuRenderer {
     /// [`RenderError`] when the camera or the options make no sense, or the card is lost.
     pub fn render(&mut self, camera: &Camera, options: &RenderOptions, lookup: Lookup) -> Result<Picture, RenderError> {
         options.check()?;
+        self.fog = options.fog;
         let view = View::new(camera, options.width, options.height)?;
         self.light(&view, options.samples, lookup);
         let exposure = match options.exposure {
@@ -249,12 +261,22 @@ impl GpuRenderer {
         for sample in 0..samples {
             let mut frame = Frame::new(view, &self.lit.lighting, sample, samples, r2(sample));
             set_lookup(&mut frame, lookup);
+            if let Some(fog) = self.fog {
+                frame.fog_per_m = fog.density_per_m as f32;
+                frame.fog_anisotropy = fog.anisotropy as f32;
+                frame.fog_end_m = self.lit.lighting.diagonal_m as f32;
+            }
             self.set_lists(&mut frame);
             if !self.targets.as_ref().is_some_and(|targets| targets.suit(&frame)) {
-                self.targets = Some(Targets::new(&self.gpu, frame.size, frame.suns));
+                self.targets = Some(Targets::new(&self.gpu, &frame));
             }
+            let maps = self.choose_maps(lookup);
+            frame.cascades = maps.map_or(0, |(cascades, _)| cascades.count);
             self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            if let Some((_, casters)) = maps.filter(|_| sample == 0) {
+                self.draw_maps(&mut encoder, view, casters);
+            }
             self.draw(&mut encoder, &frame);
             self.gpu.queue.submit([encoder.finish()]);
         }
@@ -294,9 +316,32 @@ impl GpuRenderer {
         });
     }
 
+    /// Which maps a lookup needs, with room for them: of everything, or of what moves.
+    fn choose_maps(&mut self, lookup: Lookup) -> Option<(Cascades, Casters)> {
+        let suns = self.lit.lighting.suns.len();
+        let moves = || self.buffers.parts.iter().any(|part| part.is_dynamic);
+        let (cascades, casters) = match lookup {
+            _ if suns == 0 => return None,
+            Lookup::Maps(cascades, _) => (cascades, Casters::All),
+            Lookup::None => return None,
+            _ if moves() => (Cascades::for_dynamic(), Casters::Dynamic),
+            _ => return None,
+        };
+        if !self.maps.suit(&cascades, suns) {
+            self.maps = Maps::new(&self.gpu, cascades, suns);
+        }
+        Some((cascades, casters))
+    }
+
+    fn draw_maps(&mut self, encoder: &mut wgpu::CommandEncoder, view: &View, casters: Casters) {
+        let Self { gpu, timer, passes, buffers, frame, lit, bounds, .. } = self;
+        let seen = (view, &lit.lighting.suns[..], &*bounds);
+        self.maps.draw(gpu, timer, encoder, &passes.shadow_map, buffers, frame, casters, seen);
+    }
+
     /// Records one sample.
     fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
-        let Self { gpu, timer, passes, buffers, targets, lists, lit, .. } = self;
+        let Self { gpu, timer, passes, buffers, targets, lists, lit, maps, .. } = self;
         let Lit { baked, lookups, suns, sky, lamps, .. } = lit;
         let Some(targets) = targets else { return };
         raster(gpu, timer, encoder, &passes.raster, buffers, &self.frame, targets);
@@ -307,10 +352,21 @@ impl GpuRenderer {
         passes.resolve.run(encoder, timer.compute("resolve"), &[&geometry, &seen], tiles(size));
         let shadows = baked.resources();
         let own = [&self.frame, &targets.gbuffer, suns, &targets.sunlit];
-        if frame.suns > 0 {
-            run(gpu, timer, encoder, &lookups.sun, "sun shadows", &own, Some(&shadows), size);
+        let map_resources = maps.resources();
+        if frame.fog_per_m > 0.0 {
+            let own = [&self.frame, &targets.gbuffer, suns, &targets.veils].map(|buffer| buffer.as_entire_binding());
+            let own = gpu.group(&lookups.fog.layouts[0], &own);
+            let shadows = gpu.group(&lookups.fog.layouts[1], &shadows);
+            let maps = gpu.group(&lookups.fog.layouts[2], &map_resources);
+            lookups.fog.run(encoder, timer.compute("fog"), &[&own, &shadows, &maps], tiles(size));
         }
-        let own = [&self.frame, &targets.gbuffer, sky, suns, &targets.sunlit, &targets.hdr];
+        if frame.suns > 0 {
+            let own = gpu.group(&lookups.sun.layouts[0], &own.map(|buffer| buffer.as_entire_binding()));
+            let shadows = gpu.group(&lookups.sun.layouts[1], &shadows);
+            let maps = gpu.group(&lookups.sun.layouts[2], &map_resources);
+            lookups.sun.run(encoder, timer.compute("sun shadows"), &[&own, &shadows, &maps], tiles(size));
+        }
+        let own = [&self.frame, &targets.gbuffer, sky, suns, &targets.sunlit, &targets.hdr, &targets.veils];
         run(gpu, timer, encoder, &passes.shade, "shading", &own, None, size);
         let Some(lists) = lists.as_ref().filter(|_| frame.lamps > 0) else { return };
         if frame.layers == 0 {
@@ -326,7 +382,7 @@ impl GpuRenderer {
         let groups = (lists.count * frame.list_words).div_ceil(64);
         let rows = groups.div_ceil(MOST_GROUPS);
         passes.lists.run(encoder, timer.compute("light lists"), &[&group], [groups.div_ceil(rows), rows, 1]);
-        let own = [&self.frame, &targets.gbuffer, lamps, &lists.lists, &targets.hdr, &targets.counts];
+        let own = [&self.frame, &targets.gbuffer, lamps, &lists.lists, &targets.hdr, &targets.counts, &targets.veils];
         run(gpu, timer, encoder, &lookups.lamps, "lamps", &own, Some(&shadows), size);
     }
 
@@ -382,8 +438,7 @@ fn lit(gpu: &Gpu, scene: &Scene, setting: Setting<'_>) -> Result<Lit, RenderErro
 
 /// The HDR buffer's contents, times a share.
 fn shaded(hdr: Vec<[f32; 4]>, share: f32) -> Vec<Shaded> {
-    let one =
-        |[r, g, b, metered]: [f32; 4]| Shaded { radiance: Vec3::new(r, g, b) * share, metered: metered * share };
+    let one = |[r, g, b, metered]: [f32; 4]| Shaded { radiance: Vec3::new(r, g, b) * share, metered: metered * share };
     hdr.into_iter().map(one).collect()
 }
 
@@ -396,7 +451,6 @@ fn tiles([width, height]: [u32; 2]) -> [u32; 3] {
 }
 
 /// Records a pass over all pixels: its own buffers, and those of the bake.
-#[expect(clippy::too_many_arguments, reason = "one line a pass where it is called")]
 fn run(
     gpu: &Gpu,
     timer: &mut Timer,
@@ -429,10 +483,7 @@ fn raster(
             view: &targets.visible_part,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                store: wgpu::StoreOp::Store,
-            },
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
         })],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: &targets.depth,
@@ -460,6 +511,8 @@ fn set_lookup(frame: &mut Frame, lookup: Lookup) {
         Lookup::Filter(filter) => (1, Some(filter)),
         Lookup::Prefiltered(Prefilter::Mean) => (2, None),
         Lookup::Prefiltered(Prefilter::Levels(filter)) => (3, Some(filter)),
+        Lookup::Maps(_, MapFilter::Taps(filter)) => (5, Some(filter)),
+        Lookup::Maps(_, MapFilter::Bilinear) => (5, None),
         Lookup::Penumbra(tangent, filter) => {
             frame.sun_tangent = tangent as f32;
             (4, Some(filter))
@@ -467,7 +520,11 @@ fn set_lookup(frame: &mut Frame, lookup: Lookup) {
     };
     frame.shadow = code;
     frame.radius = filter.map_or(0, Filter::radius);
-    frame.kernel = u32::from(filter.is_some_and(|f| f.kernel() == FilterKernel::Tent));
+    frame.kernel = match filter.map(Filter::kernel) {
+        _ if matches!(lookup, Lookup::Maps(_, MapFilter::Bilinear)) => 2,
+        Some(FilterKernel::Tent) => 1,
+        _ => 0,
+    };
 }
 
 /// The baked lights that passes know: suns, then lamps. All of them are there: others were left out of the lighting.

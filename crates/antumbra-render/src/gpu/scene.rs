@@ -1,6 +1,6 @@
 //! A scene on the graphics card: meshes once, however many nodes place them; materials and textures as words.
 
-use antumbra_scene::{AlphaMode, AlphaTest, Material, Primitive, Scene, Wrap};
+use antumbra_scene::{AlphaMode, AlphaTest, Bounds, Material, Primitive, Scene, Wrap};
 use glam::DVec3;
 
 use super::{Gpu, Slot};
@@ -35,6 +35,9 @@ pub(crate) struct DrawnPart {
     pub is_translucent: bool,
     /// Whether its node moves.
     pub is_dynamic: bool,
+    /// A sphere about it, world, metres.
+    pub center: DVec3,
+    pub radius_m: f64,
 }
 
 /// Bindings of `geometry.wgsl`: the frame comes first.
@@ -160,6 +163,8 @@ fn part_rows(scene: &Scene, placed: &[Vec<Placed>]) -> (Vec<u32>, Vec<DrawnPart>
             let index = primitive.material.unwrap_or(default_material);
             let alpha = scene.material(primitive).alpha_mode;
             let triangles = primitive.triangles.len() as u32;
+            let mut bounds = Bounds::EMPTY;
+            primitive.positions.iter().for_each(|p| bounds.insert(node.world_point(*p)));
             rows.extend([at.first_index, at.first_vertex, at.normals, at.texcoords, at.colors]);
             rows.extend([index as u32, n as u32, first_triangle, 0, 0, 0, 0]);
             parts.push(DrawnPart {
@@ -167,6 +172,8 @@ fn part_rows(scene: &Scene, placed: &[Vec<Placed>]) -> (Vec<u32>, Vec<DrawnPart>
                 is_cut_out: alpha == AlphaMode::Blend || AlphaTest::new(scene, primitive).is_some(),
                 is_translucent: alpha == AlphaMode::Blend,
                 is_dynamic: node.dynamic,
+                center: if bounds.is_empty() { DVec3::ZERO } else { bounds.center() },
+                radius_m: 0.5 * bounds.diagonal(),
             });
             first_triangle = first_triangle.wrapping_add(triangles);
         }

@@ -16,6 +16,7 @@ pub(crate) const TEXEL_BYTES: u64 = 32;
 pub(crate) struct Targets {
     pub size: [u32; 2],
     suns: u32,
+    has_fog: bool,
     pub visible_part: wgpu::TextureView,
     pub depth: wgpu::TextureView,
     pub gbuffer: wgpu::Buffer,
@@ -23,10 +24,14 @@ pub(crate) struct Targets {
     pub hdr: wgpu::Buffer,
     pub screen: wgpu::Buffer,
     pub counts: wgpu::Buffer,
+    /// Empty without fog.
+    pub veils: wgpu::Buffer,
 }
 
 impl Targets {
-    pub fn new(gpu: &Gpu, size: [u32; 2], suns: u32) -> Self {
+    pub fn new(gpu: &Gpu, frame: &Frame) -> Self {
+        let Frame { size, suns, .. } = *frame;
+        let has_fog = frame.fog_per_m > 0.0;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let texture = |format| {
             let extra = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -45,6 +50,7 @@ impl Targets {
         Self {
             size,
             suns,
+            has_fog,
             visible_part: texture(VISIBLE_FORMAT),
             depth: texture(DEPTH_FORMAT),
             gbuffer: gpu.zeros("G-buffer", TEXEL_BYTES * pixels),
@@ -52,11 +58,12 @@ impl Targets {
             hdr: gpu.zeros("HDR", 16 * pixels),
             screen: gpu.zeros("screen", 4 * pixels),
             counts: gpu.zeros("lamps per pixel", 4 * pixels),
+            veils: gpu.zeros("fog", if has_fog { 16 * pixels } else { 16 }),
         }
     }
 
     /// Whether they suit a picture.
     pub fn suit(&self, frame: &Frame) -> bool {
-        self.size == frame.size && self.suns == frame.suns
+        self.size == frame.size && self.suns == frame.suns && self.has_fog == (frame.fog_per_m > 0.0)
     }
 }

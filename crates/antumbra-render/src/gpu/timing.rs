@@ -25,11 +25,8 @@ pub struct PassTime {
 
 impl Timer {
     pub fn new(gpu: &Gpu) -> Self {
-        let descriptor = wgpu::QuerySetDescriptor {
-            label: Some("times"),
-            ty: wgpu::QueryType::Timestamp,
-            count: 2 * MOST,
-        };
+        let descriptor =
+            wgpu::QuerySetDescriptor { label: Some("times"), ty: wgpu::QueryType::Timestamp, count: 2 * MOST };
         let queries = gpu.has_timestamps().then(|| gpu.device.create_query_set(&descriptor));
         Self { queries, names: Vec::new() }
     }

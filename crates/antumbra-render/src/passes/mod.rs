@@ -5,6 +5,8 @@
 //! at a time. Rows depend on nothing but earlier passes, so that any number of threads makes the same picture.
 
 pub(crate) mod ambient;
+pub mod csm;
+pub(crate) mod fog;
 pub(crate) mod gbuffer;
 pub(crate) mod shade;
 pub(crate) mod shadow;

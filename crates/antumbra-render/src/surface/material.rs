@@ -65,6 +65,16 @@ impl<'a> Surfaces<'a> {
         unit(hit) < Corner::new(self, tracer.source(hit.triangle), hit).color(self, 0.0).w
     }
 
+    /// Whether some node moves.
+    pub(crate) fn any_moves(&self) -> bool {
+        self.scene.nodes.iter().any(|node| node.dynamic)
+    }
+
+    /// Whether what is hit moves.
+    pub(crate) fn moves(&self, tracer: &Tracer, hit: &Hit) -> bool {
+        self.scene.nodes[tracer.source(hit.triangle).node].dynamic
+    }
+
     fn is_translucent(&self, tracer: &Tracer, hit: &Hit) -> bool {
         let primitive = tracer.source(hit.triangle).primitive(self.scene);
         primitive.material.is_some_and(|m| self.scene.materials[m].alpha_mode == AlphaMode::Blend)

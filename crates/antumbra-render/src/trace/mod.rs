@@ -163,13 +163,18 @@ impl Tracer {
         (ab / longest).cross(ac / longest).try_normalize().unwrap_or(DVec3::ZERO)
     }
 
+    /// A triangle's number in the order of the scene's nodes and primitives.
+    pub(crate) fn number(&self, triangle: TriangleId) -> u32 {
+        self.flattened[triangle.0 as usize]
+    }
+
     /// Which triangle of the scene this is.
     ///
     /// # Panics
     /// When the triangle is not this tracer's.
     #[must_use]
     pub fn source(&self, triangle: TriangleId) -> Source {
-        let index = self.flattened[triangle.0 as usize];
+        let index = self.number(triangle);
         let part = self.parts[self.parts.partition_point(|p| p.first <= index) - 1];
         Source {
             node: part.node as usize,

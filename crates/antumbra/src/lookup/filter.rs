@@ -21,6 +21,13 @@ pub struct Filter {
 /// Most taps per side.
 pub const MAX_TAPS: u32 = 17;
 
+impl Default for Filter {
+    /// One tap: a hard shadow.
+    fn default() -> Self {
+        Self { taps: 1, kernel: Kernel::Box }
+    }
+}
+
 impl Filter {
     /// K x K taps of the given kernel.
     ///

@@ -74,6 +74,20 @@ impl<'a> LightShadow<'a> {
         lit.min(1.0)
     }
 
+    /// Light that fog along a segment, of some optical depth in all, scatters and lets through to the segment's start,
+    /// relative to that of endless fog in full light: the sum over lit runs of the difference of transmittance. With an
+    /// optical depth of 0 it is [`LightShadow::lit_share`]. Cost: as [`LightShadow::segment`].
+    #[must_use]
+    pub fn lit_through(self, from: DVec3, to: DVec3, optical_depth: f64) -> f64 {
+        if optical_depth == 0.0 {
+            return self.lit_share(from, to);
+        }
+        let through = |t: f64| libm::exp(-optical_depth * t);
+        let lit: f64 =
+            self.segment(from, to).filter(|run| run.lit).map(|run| through(run.from) - through(run.to)).sum();
+        lit.clamp(0.0, 1.0)
+    }
+
     /// Length of the lit parts of a segment, metres; 0 where nothing is lit, and as its length not finite for a segment that
     /// is not. Cost: as [`LightShadow::segment`].
     #[must_use]

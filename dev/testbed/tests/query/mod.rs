@@ -67,7 +67,7 @@ impl<'a> Card<'a> {
         let text = format!("{}\n{}", source(&lookup), include_str!("query.wgsl"));
         let lookups = vec![Slot::Read; 1 + parts.len()];
         let kernel = gpu.kernel("query", &text, &[&[Slot::Read, Slot::Read, Slot::Write], &lookups]);
-        let tables = Tables::new(file);
+        let tables = Tables::new(file, |_| true);
         let lights: Vec<_> = file.lights().map(|light| GpuLight::new(light, &tables, reference)).collect();
         Self {
             gpu,

@@ -17,7 +17,7 @@ fn texel(world: &World<'_>, view: &View, x: u32, y: u32, sample: u32, samples: u
     // Translucent layers are there or not, sample by sample: each triangle gets its own numbers, and a pixel's
     // samples share them out evenly.
     let unit = |hit: &crate::trace::Hit| {
-        let layer = sampling::unit(x, y, hit.triangle.0);
+        let layer = sampling::unit(x, y, world.tracer.number(hit.triangle));
         (layer + sample as f32 / samples as f32).fract()
     };
     let hit = world.tracer.closest_if(&ray, |hit| world.surfaces.is_seen(world.tracer, hit, unit));

@@ -7,6 +7,7 @@
 @group(0) @binding(4) var<storage, read_write> hdr: array<vec4<f32>>;
 // By pixel: how many lamps its shading looked at.
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(6) var<storage, read> veils: array<vec4<f32>>;
 
 @group(1) @binding(0) var<storage, read> lights: array<AntumbraLight>;
 
@@ -72,5 +73,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
     counts[index] = count;
-    hdr[index] += vec4(light * clearness(s), luminance(light));
+    var clear = clearness(s);
+    if frame.fog_per_m > 0.0 {
+        clear *= veils[index].w;
+    }
+    hdr[index] += vec4(light * clear, luminance(light));
 }

@@ -9,6 +9,7 @@ use crate::{
     passes::{
         Lighting, World,
         ambient::Gathered,
+        fog::Veil,
         gbuffer::Texel,
         shadow::{Beam, Beams},
     },
@@ -40,6 +41,8 @@ pub(crate) struct Inputs<'a> {
     pub beams: &'a Beams,
     /// Gathered light of the whole picture; empty where nothing was gathered.
     pub gathered: &'a [Gathered],
+    /// Fog before each texel; empty where there is none.
+    pub veils: &'a [Veil],
     pub samples: u32,
 }
 
@@ -48,15 +51,16 @@ pub(crate) fn row(world: &World<'_>, view: &View, y: u32, inputs: &Inputs<'_>) -
     let mut beams = inputs.beams.by_sample();
     let pixel = |(x, texels): (usize, &[Texel])| {
         let mut sum = Shaded::default();
-        for (texel, beams) in texels.iter().zip(beams.by_ref()) {
+        for (sample, (texel, beams)) in texels.iter().zip(beams.by_ref()).enumerate() {
+            let veil = inputs.veils.get(x * inputs.samples as usize + sample).copied().unwrap_or(Veil::NONE);
             let Some(surface) = &texel.surface else {
-                sum.radiance += world.lighting.sky.radiance_with_disc(texel.direction);
+                sum.radiance += veil.over(world.lighting.sky.radiance_with_disc(texel.direction));
                 continue;
             };
             let ambient = ambient(world, view, inputs.gathered, [x as u32, y], surface);
             let glow = surface.emissive * world.lighting.glow;
             let light = lit(world, surface, beams, ambient, glow);
-            sum.radiance += hazy(world, texel, surface, light);
+            sum.radiance += veil.over(hazy(world, texel, surface, light));
             sum.metered += luminance(light - glow);
         }
         let samples = inputs.samples as f32;

@@ -13,6 +13,8 @@ struct SunLight {
 @group(0) @binding(4) var<storage, read> visible: array<f32>;
 // Radiance; brightness of what surfaces reflect, by which pictures are exposed.
 @group(0) @binding(5) var<storage, read_write> hdr: array<vec4<f32>>;
+// Radiance of the fog before each pixel, and the share of light that comes through it, where there is fog.
+@group(0) @binding(6) var<storage, read> veils: array<vec4<f32>>;
 
 // The sky in a surface. The split sum's second factor is Karis's (2014) fit.
 fn reflected_sky(s: Surface, ambient: vec3<f32>) -> vec3<f32> {
@@ -57,5 +59,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let index = pixel_index(frame, id.xy);
     let before = select(hdr[index], vec4(0.0), frame.sample == 0u);
-    hdr[index] = before + shaded(id.xy, index);
+    var light = shaded(id.xy, index);
+    if frame.fog_per_m > 0.0 {
+        let veil = veils[index];
+        light = vec4(light.xyz * veil.w + veil.xyz, light.w);
+    }
+    hdr[index] = before + light;
 }

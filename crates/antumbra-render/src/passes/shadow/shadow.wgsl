@@ -42,6 +42,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             let s = unpacked(frame, id.xy, texel);
             if can_be_lit(s, suns[sun].towards.xyz) {
                 seen = looked_up(lights[sun], s);
+                // Maps of everything, or over a bake of what moves.
+                if seen > 0.0 && frame.cascades > 0u {
+                    seen *= csm_visibility(
+                        sun * frame.cascades, frame.cascades, s.position, s.face_normal, frame.radius, frame.kernel);
+                }
             }
         }
         visible[index * frame.suns + sun] = seen;

@@ -4,7 +4,15 @@ use antumbra::{Filter, LightKind, LightShadow, Prefilter, ShadowFile};
 use antumbra_scene::Light;
 use glam::DVec3;
 
-use crate::{RenderError, passes::World, surface::Surface};
+use crate::{
+    RenderError,
+    camera::View,
+    passes::{
+        World,
+        csm::{Cascades, Casters, MapFilter, reference::Maps},
+    },
+    surface::Surface,
+};
 
 /// Where a picture's shadows come from.
 ///
@@ -33,6 +41,22 @@ pub enum ShadowSource<'a> {
         /// How to average. [`Prefilter::Levels`] wants a file with levels ([`LightShadow::has_levels`]).
         how: Prefilter,
     },
+    /// A baked file, with penumbrae that harden on contact.
+    Penumbra {
+        /// The bake; it wants enter depths ([`LightShadow::has_enter_depths`]).
+        shadows: &'a ShadowFile,
+        /// Tangent of the angle under which the sun's radius is seen; the real one's is 0.00465.
+        sun_tangent: f64,
+        /// For lamps, which have no size.
+        filter: Filter,
+    },
+    /// Cascaded shadow maps of the suns; lamps are not shadowed.
+    Maps {
+        /// How many, how large.
+        cascades: Cascades,
+        /// How they are filtered.
+        filter: MapFilter,
+    },
 }
 
 impl<'a> ShadowSource<'a> {
@@ -45,8 +69,10 @@ impl<'a> ShadowSource<'a> {
     /// The bake, if there is one.
     pub(crate) fn file(self) -> Option<&'a ShadowFile> {
         match self {
-            Self::None | Self::Traced => None,
-            Self::Dag { shadows, .. } | Self::Prefiltered { shadows, .. } => Some(shadows),
+            Self::None | Self::Traced | Self::Maps { .. } => None,
+            Self::Dag { shadows, .. } | Self::Prefiltered { shadows, .. } | Self::Penumbra { shadows, .. } => {
+                Some(shadows)
+            }
         }
     }
 
@@ -80,6 +106,31 @@ fn baked<'a>(file: &'a ShadowFile, name: &str, kind: impl Fn(LightKind) -> bool)
     file.light(name).filter(|light| kind(light.kind()))
 }
 
+/// The shadow maps that a source needs: of everything, or over a bake of what moves.
+fn maps<'w>(world: &'w World<'_>, source: ShadowSource<'_>, view: &View) -> Vec<Maps<'w>> {
+    let World { tracer, surfaces, lighting } = world;
+    let of = |cascades: Cascades, casters| {
+        lighting.suns.iter().map(|sun| Maps::new(&cascades, view, sun, tracer, surfaces, casters)).collect()
+    };
+    match source {
+        ShadowSource::Maps { cascades, .. } => of(cascades, Casters::All),
+        ShadowSource::None | ShadowSource::Traced => Vec::new(),
+        _ if !surfaces.any_moves() => Vec::new(),
+        _ => of(Cascades::for_dynamic(), Casters::Dynamic),
+    }
+}
+
+/// How a source filters its shadow maps.
+fn map_filter(source: ShadowSource<'_>) -> MapFilter {
+    match source {
+        ShadowSource::Maps { filter, .. } => filter,
+        ShadowSource::Dag { filter, .. }
+        | ShadowSource::Penumbra { filter, .. }
+        | ShadowSource::Prefiltered { how: Prefilter::Levels(filter), .. } => MapFilter::Taps(filter),
+        _ => MapFilter::Taps(Filter::default()),
+    }
+}
+
 /// The baked light of a sun (whose name may be missing) or of a lamp.
 pub(crate) fn baked_light<'a>(file: &'a ShadowFile, name: Option<&str>, is_lamp: bool) -> Option<LightShadow<'a>> {
     baked(file, name.unwrap_or(STAND_IN), |kind| (kind != LightKind::Directional) == is_lamp)
@@ -111,11 +162,16 @@ pub(crate) struct Shadows<'w> {
     /// By sun and by lamp, where the source is a bake; `None` for lights that it lacks.
     suns: Vec<Option<LightShadow<'w>>>,
     lamps: Vec<Option<LightShadow<'w>>>,
+    /// By sun: maps of everything, or over a bake of what moves.
+    maps: Vec<Maps<'w>>,
 }
 
+/// Points of a ray through fog at which rays and maps are asked.
+const FOG_STEPS: u32 = 64;
+
 impl<'w> Shadows<'w> {
-    pub(crate) fn new(world: &'w World<'_>, source: ShadowSource<'w>) -> Self {
-        let mut shadows = Self { world, source, suns: Vec::new(), lamps: Vec::new() };
+    pub(crate) fn new(world: &'w World<'_>, source: ShadowSource<'w>, view: &View) -> Self {
+        let mut shadows = Self { world, source, suns: Vec::new(), lamps: Vec::new(), maps: maps(world, source, view) };
         if let Some(file) = source.file() {
             let suns = world.lighting.suns.iter();
             shadows.suns = suns.map(|sun| baked_light(file, sun.name.as_deref(), false)).collect();
@@ -127,10 +183,39 @@ impl<'w> Shadows<'w> {
 
     /// How much of a sun reaches a point: 0 in shadow to 1 in full light.
     pub(crate) fn of_sun(&self, index: usize, place: &Place) -> f32 {
-        self.of(&self.suns, index, place, || {
-            let sun = &self.world.lighting.suns[index];
-            (sun.towards_world, f64::INFINITY)
-        })
+        let Place { position, normal, .. } = *place;
+        let seen = match self.source {
+            ShadowSource::Penumbra { sun_tangent, .. } => {
+                self.suns[index].map_or(0.0, |light| light.penumbra(position, Some(normal), sun_tangent))
+            }
+            _ => self.of(&self.suns, index, place, || (self.world.lighting.suns[index].towards_world, f64::INFINITY)),
+        };
+        match self.maps.get(index).filter(|_| seen > 0.0) {
+            Some(maps) => seen * maps.visibility(position, normal, map_filter(self.source)),
+            None => seen,
+        }
+    }
+
+    /// Light of a sun that fog along a way scatters and lets through to its start: see
+    /// [`antumbra::LightShadow::lit_through`]. A bake says so exactly; rays and maps are asked at [`FOG_STEPS`] points.
+    pub(crate) fn through_fog(&self, index: usize, from: DVec3, to: DVec3, optical_depth: f64) -> f64 {
+        if self.source.file().is_some() {
+            return self.suns[index].map_or(0.0, |light| light.lit_through(from, to, optical_depth));
+        }
+        let through = |t: f64| (-optical_depth * t).exp();
+        let step = |i: u32| {
+            let [begin, end] = [i, i + 1].map(|i| f64::from(i) / f64::from(FOG_STEPS));
+            let place = Place { position: from.lerp(to, 0.5 * (begin + end)), normal: DVec3::ZERO, footprint_m: 0.0 };
+            let seen = match self.source {
+                ShadowSource::Maps { .. } => self
+                    .maps
+                    .get(index)
+                    .map_or(1.0, |m| m.visibility(place.position, DVec3::ZERO, MapFilter::Taps(Filter::default()))),
+                _ => self.of_sun(index, &place),
+            };
+            f64::from(seen) * (through(begin) - through(end))
+        };
+        (0..FOG_STEPS).map(step).sum()
     }
 
     /// How much of a lamp reaches a point.
@@ -151,9 +236,9 @@ impl<'w> Shadows<'w> {
     ) -> f32 {
         let Place { position, normal, footprint_m } = *place;
         match self.source {
-            ShadowSource::None => 1.0,
+            ShadowSource::None | ShadowSource::Maps { .. } => 1.0,
             ShadowSource::Traced => self.traced(place, way()),
-            ShadowSource::Dag { filter, .. } => {
+            ShadowSource::Dag { filter, .. } | ShadowSource::Penumbra { filter, .. } => {
                 baked[index].map_or(0.0, |light| light.filtered(position, Some(normal), filter))
             }
             ShadowSource::Prefiltered { how, .. } => {
