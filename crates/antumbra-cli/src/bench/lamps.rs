@@ -80,6 +80,7 @@ pub fn run(
         rows: result.rows(),
         summary: result.summary(),
         plots: vec![result.plot()?],
+        images: Vec::new(),
     })
 }
 

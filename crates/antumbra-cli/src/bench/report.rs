@@ -25,6 +25,14 @@ pub struct Report {
     /// What rows add up to, for scripts; may be empty.
     pub summary: Row,
     pub plots: Vec<Plot>,
+    pub images: Vec<Image>,
+}
+
+/// A picture to be written beside the table.
+pub struct Image {
+    pub file_name: String,
+    /// PNG.
+    pub bytes: Vec<u8>,
 }
 
 /// Where a table goes.
@@ -51,9 +59,10 @@ impl OutputArgs {
         let machine = machine::describe();
         let (json, text) = (report.json(&machine), report.markdown(&machine));
         if let Some(folder) = &self.out {
-            write(folder, &format!("{}.md", report.table), &text)?;
-            write(folder, &format!("{}.json", report.table), &format!("{json:#}\n"))?;
-            report.plots.iter().try_for_each(|plot| write(folder, &plot.file_name, &plot.svg))?;
+            write(folder, &format!("{}.md", report.table), text.as_bytes())?;
+            write(folder, &format!("{}.json", report.table), format!("{json:#}\n").as_bytes())?;
+            report.plots.iter().try_for_each(|plot| write(folder, &plot.file_name, plot.svg.as_bytes()))?;
+            report.images.iter().try_for_each(|image| write(folder, &image.file_name, &image.bytes))?;
         }
         if self.json { describe::print(&json) } else { output::print(&text) }
     }
@@ -79,6 +88,6 @@ impl Report {
     }
 }
 
-fn write(folder: &Path, name: &str, text: &str) -> Result<()> {
-    OutputFile::new(&folder.join(name))?.write(text.as_bytes())
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
+    OutputFile::new(&folder.join(name))?.write(bytes)
 }

@@ -37,7 +37,7 @@ pub type Column<'a> = (&'a str, &'a str, Shown);
 pub struct Section {
     pub title: &'static str,
     /// What is compared, how, and what the papers say.
-    pub about: &'static str,
+    pub about: String,
     columns: Vec<(String, String, Shown)>,
     pub rows: Vec<Row>,
 }
@@ -51,9 +51,9 @@ pub fn row(object: Value) -> Row {
 }
 
 impl Section {
-    pub fn new(title: &'static str, about: &'static str, columns: &[Column<'_>]) -> Self {
+    pub fn new(title: &'static str, about: impl Into<String>, columns: &[Column<'_>]) -> Self {
         let owned = |(key, heading, shown): &Column<'_>| ((*key).to_owned(), (*heading).to_owned(), *shown);
-        Self { title, about, columns: columns.iter().map(owned).collect(), rows: Vec::new() }
+        Self { title, about: about.into(), columns: columns.iter().map(owned).collect(), rows: Vec::new() }
     }
 
     /// Heading, text and table.

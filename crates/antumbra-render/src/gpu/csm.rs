@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use super::Gpu;
 use super::passes::DepthRaster;
 use super::scene::{DrawnPart, SceneBuffers};
-use super::timing::Timer;
+use super::timing::Recorder;
 use crate::camera::View;
 use crate::light::Sun;
 use crate::passes::csm::{Cascade, Cascades, Casters, fit};
@@ -95,12 +95,10 @@ impl Maps {
     }
 
     /// Fits the cascades to a view and records the drawing of their maps; returns how many there are for each sun.
-    #[expect(clippy::too_many_arguments, reason = "a pass reads what it reads")]
     pub fn draw(
         &self,
         gpu: &Gpu,
-        timer: &mut Timer,
-        encoder: &mut wgpu::CommandEncoder,
+        recorder: &mut Recorder<'_>,
         raster: &DepthRaster,
         scene: &SceneBuffers,
         frame: &wgpu::Buffer,
@@ -117,28 +115,18 @@ impl Maps {
         for (i, (cascade, row)) in fitted.iter().zip(&rows).enumerate() {
             gpu.queue.write_buffer(&self.own[i], 0, bytemuck::bytes_of(row));
             let own = gpu.group(&raster.layouts[1], &[self.own[i].as_entire_binding()]);
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("shadow map"),
-                color_attachments: &[],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &self.layers[i],
-                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
-                    stencil_ops: None,
-                }),
-                timestamp_writes: timer.render("shadow maps"),
-                occlusion_query_set: None,
-                multiview_mask: None,
-            });
-            pass.set_bind_group(0, &geometry, &[]);
-            pass.set_bind_group(1, &own, &[]);
-            for (pipeline, cut_out) in [(&raster.opaque, false), (&raster.cut_out, true)] {
-                pass.set_pipeline(pipeline);
-                for (part, drawn) in (0..).zip(&scene.parts) {
-                    if drawn.is_cut_out == cut_out && hold(casters, drawn) && self.touches(cascade, view, drawn) {
-                        pass.draw(0..drawn.vertices, part..part + 1);
+            recorder.draw("shadow maps", None, (&self.layers[i], 1.0), |pass| {
+                pass.set_bind_group(0, &geometry, &[]);
+                pass.set_bind_group(1, &own, &[]);
+                for (pipeline, cut_out) in [(&raster.opaque, false), (&raster.cut_out, true)] {
+                    pass.set_pipeline(pipeline);
+                    for (part, drawn) in (0..).zip(&scene.parts) {
+                        if drawn.is_cut_out == cut_out && hold(casters, drawn) && self.touches(cascade, view, drawn) {
+                            pass.draw(0..drawn.vertices, part..part + 1);
+                        }
                     }
                 }
-            }
+            });
         }
         self.options.count
     }

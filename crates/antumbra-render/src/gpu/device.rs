@@ -109,23 +109,23 @@ impl Gpu {
         }
     }
 
-    /// A buffer with contents that kernels read and write. Never empty: an empty slice gives 16 zero bytes.
+    /// A buffer with contents that kernels read and write. An empty slice gives 256 zero bytes: room for one of anything.
     #[must_use]
     pub fn buffer<T: Pod>(&self, label: &str, contents: &[T]) -> wgpu::Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(contents);
         self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some(label),
-            contents: if bytes.is_empty() { &[0; 16] } else { bytes },
+            contents: if bytes.is_empty() { &[0; 256] } else { bytes },
             usage: USAGE,
         })
     }
 
-    /// A buffer of so many bytes (at least 16), all zero.
+    /// A buffer of so many bytes (at least 256), all zero.
     #[must_use]
     pub fn zeros(&self, label: &str, bytes: u64) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size: bytes.max(16),
+            size: bytes.max(256),
             usage: USAGE,
             mapped_at_creation: false,
         })

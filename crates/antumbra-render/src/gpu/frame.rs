@@ -34,7 +34,6 @@ pub(crate) struct Frame {
     pub stars: f32,
     pub exposure: f32,
     pub lamps: u32,
-    pub shadow: u32,
     pub radius: u32,
     pub kernel: u32,
     pub sun_tangent: f32,
@@ -50,6 +49,7 @@ pub(crate) struct Frame {
     pub fog_anisotropy: f32,
     pub pad_0: u32,
     pub pad_1: u32,
+    pub pad_2: u32,
 }
 
 /// Three numbers and a 0.

@@ -32,8 +32,7 @@ struct Frame {
     stars: f32,
     exposure: f32,
     lamps: u32,
-    // How shadows are looked up: see `shadow.wgsl`.
-    shadow: u32,
+    // Filter of shadow lookups: taps on either side of the middle one, and box (0), tent (1) or bilinear (2).
     radius: u32,
     kernel: u32,
     // Tangent of the sun's radius, for penumbrae.
@@ -54,6 +53,7 @@ struct Frame {
     fog_anisotropy: f32,
     pad_0: u32,
     pad_1: u32,
+    pad_2: u32,
 }
 
 // The ray through a point of the picture, in pixels from the upper left corner; its part along `forward` is 1.

@@ -27,21 +27,33 @@ const CONSTANTS: &str = "const PI: f32 = 3.14159265;";
 
 use Slot::{DepthLayers, Read, Uints, Write};
 
+/// How passes look up shadows. Each way has programs of its own: a branch that is never taken costs registers, and on some
+/// cards time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Way {
+    /// 0 not at all, 1 filtered, 2 means, 3 levels, 4 penumbrae, 5 in maps.
+    pub shadow: u32,
+    /// Whether there are shadow maps: of everything, or of what moves.
+    pub has_maps: bool,
+}
+
 /// The text of each pass, for tests without a driver. `lookups` is that of the baked lights.
-pub(crate) fn sources(lookups: &str) -> Vec<(&'static str, String)> {
+pub(crate) fn sources(lookups: &str, way: Way) -> Vec<(&'static str, String)> {
+    let way = format!("const SHADOW: u32 = {}u;\nconst HAS_MAPS: bool = {};\n", way.shadow, way.has_maps);
+    let way = &way[..];
     vec![
         ("raster", [FRAME, GEOMETRY, RASTER].concat()),
         ("resolve", [FRAME, TEXEL, GEOMETRY, RESOLVE].concat()),
         ("shadow map", [FRAME, GEOMETRY, DEPTH].concat()),
-        ("sun shadows", [lookups, FRAME, TEXEL, CONSTANTS, BRDF, CSM, SHADOW].concat()),
-        ("fog", [lookups, FRAME, TEXEL, CONSTANTS, CSM, FOG].concat()),
+        ("sun shadows", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, CSM, SHADOW].concat()),
+        ("fog", [lookups, way, FRAME, TEXEL, CONSTANTS, CSM, FOG].concat()),
         ("shading", [FRAME, TEXEL, SKY, BRDF, SHADE].concat()),
         ("tone mapping", [FRAME, TONEMAP].concat()),
         ("meter", [FRAME, METER].concat()),
         ("tile boxes", [FRAME, TEXEL, LAMP, BOXES].concat()),
         ("clusters", [FRAME, LAMP, CLUSTERS].concat()),
         ("light lists", [FRAME, LAMP, LISTS].concat()),
-        ("lamps", [lookups, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LAMPS].concat()),
+        ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LAMPS].concat()),
     ]
 }
 
@@ -73,7 +85,7 @@ fn source<'a>(sources: &'a [(&str, String)], name: &str) -> &'a str {
 
 impl Passes {
     pub fn new(gpu: &Gpu) -> Self {
-        let sources = sources("");
+        let sources = sources("", Way::default());
         let kernel = |name: &str, groups: &[&[Slot]]| gpu.kernel(name, source(&sources, name), groups);
         Self {
             raster: Raster::new(gpu, source(&sources, "raster")),
@@ -90,8 +102,8 @@ impl Passes {
 }
 
 impl Lookups {
-    pub fn new(gpu: &Gpu, lookups: &str, slots: &[Slot]) -> Self {
-        let sources = sources(lookups);
+    pub fn new(gpu: &Gpu, lookups: &str, slots: &[Slot], way: Way) -> Self {
+        let sources = sources(lookups, way);
         let kernel = |name: &str, groups: &[&[Slot]]| gpu.kernel(name, source(&sources, name), groups);
         Self {
             sun: kernel("sun shadows", &[&[Read, Read, Read, Write], slots, &[Read, DepthLayers]]),
@@ -218,7 +230,8 @@ mod tests {
             validator.validate(&module).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
             (name, module)
         };
-        sources(&lookups).into_iter().map(parsed).collect()
+        let ways = (0..6).map(|shadow| Way { shadow, has_maps: shadow % 2 == 1 });
+        ways.flat_map(|way| sources(&lookups, way)).map(parsed).collect()
     }
 
     /// Names and offsets of a struct's members, and its size.
@@ -238,8 +251,9 @@ mod tests {
     #[test]
     fn passes_are_valid_and_their_structs_lie_in_memory_as_here() {
         let frame = offsets!(Frame: right up forward size sample samples jitter pixel_size footprint near visible_m glow
-            suns towards_sun sun_azimuth plain overhead disc fill stars exposure lamps shadow radius kernel sun_tangent
-            tile tiles_x layers list_words first_layer_m layer_ratio cascades fog_per_m fog_end_m fog_anisotropy pad_0 pad_1);
+            suns towards_sun sun_azimuth plain overhead disc fill stars exposure lamps radius kernel sun_tangent
+            tile tiles_x layers list_words first_layer_m layer_ratio cascades fog_per_m fog_end_m fog_anisotropy pad_0 pad_1
+            pad_2);
         let mut found = [0; 4];
         for (name, module) in modules() {
             if let Some(there) = layout(&module, "Frame") {
@@ -261,6 +275,6 @@ mod tests {
                 found[2] += 1;
             }
         }
-        assert_eq!(found, [12, 4, 6, 3]);
+        assert_eq!(found, [12, 4, 6, 3].map(|n| 6 * n));
     }
 }

@@ -10,10 +10,10 @@ use super::baked::Baked;
 use super::blit::Blit;
 use super::csm::Maps;
 use super::frame::{Frame, GpuLamp, SunLight, four};
-use super::passes::{Lookups, Passes};
+use super::passes::{Lookups, Passes, Raster, Way};
 use super::scene::SceneBuffers;
 use super::targets::Targets;
-use super::timing::{PassTime, Timer};
+use super::timing::{PassTime, Recorder, Timer};
 use super::{Gpu, Kernel};
 use crate::camera::View;
 use crate::passes::csm::Casters;
@@ -76,7 +76,8 @@ struct Lit {
     lighting: Lighting,
     bake: Option<Arc<ShadowFile>>,
     baked: Baked,
-    lookups: Lookups,
+    /// Programs by the way shadows are looked up: each made when it is first needed.
+    lookups: Vec<(Way, Lookups)>,
     suns: wgpu::Buffer,
     sky: wgpu::Buffer,
     lamps: wgpu::Buffer,
@@ -105,7 +106,7 @@ impl Lit {
         let sky: Vec<[f32; 4]> = lighting.sky.radiance.iter().map(|radiance| four(*radiance)).collect();
         let lamps = lighting.lamps.all().len();
         Ok(Self {
-            lookups: Lookups::new(gpu, &baked.lookups, &baked.slots),
+            lookups: Vec::new(),
             suns: gpu.buffer("suns", &suns),
             sky: gpu.buffer("sky", &sky),
             lamps: gpu.zeros("lamps", (lamps * size_of::<GpuLamp>()) as u64),
@@ -113,6 +114,13 @@ impl Lit {
             bake,
             baked,
         })
+    }
+
+    /// Makes the programs of a way, unless they are there.
+    fn prepare(&mut self, gpu: &Gpu, way: Way) {
+        if !self.lookups.iter().any(|(known, _)| *known == way) {
+            self.lookups.push((way, Lookups::new(gpu, &self.baked.lookups, &self.baked.slots, way)));
+        }
     }
 
     /// Moves the reference point of lamps and baked lights to the eye.
@@ -272,13 +280,17 @@ impl GpuRenderer {
             }
             let maps = self.choose_maps(lookup);
             frame.cascades = maps.map_or(0, |(cascades, _)| cascades.count);
+            let way = Way { shadow: code(lookup), has_maps: maps.is_some() };
+            self.lit.prepare(&self.gpu, way);
             self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            let mut timer = std::mem::replace(&mut self.timer, Timer::off());
+            let mut recorder = Recorder::new(&self.gpu, &mut timer);
             if let Some((_, casters)) = maps.filter(|_| sample == 0) {
-                self.draw_maps(&mut encoder, view, casters);
+                self.draw_maps(&mut recorder, view, casters);
             }
-            self.draw(&mut encoder, &frame);
-            self.gpu.queue.submit([encoder.finish()]);
+            self.draw(&mut recorder, &frame, way);
+            recorder.submit();
+            self.timer = timer;
         }
     }
 
@@ -287,10 +299,10 @@ impl GpuRenderer {
         let frame = Frame { exposure, ..Frame::new(view, &self.lit.lighting, 0, samples, DVec2::ZERO) };
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         let Some(targets) = &self.targets else { return };
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut recorder = Recorder::new(&self.gpu, &mut self.timer);
         let buffers = [&self.frame, &targets.hdr, &targets.screen];
-        run(&self.gpu, &mut self.timer, &mut encoder, &self.passes.tonemap, "tone mapping", &buffers, None, frame.size);
-        self.gpu.queue.submit([encoder.finish()]);
+        run(&self.gpu, &mut recorder, &self.passes.tonemap, "tone mapping", &buffers, &[], frame.size);
+        recorder.submit();
     }
 
     /// Chooses the lamps' lists, and makes room for them.
@@ -333,57 +345,49 @@ impl GpuRenderer {
         Some((cascades, casters))
     }
 
-    fn draw_maps(&mut self, encoder: &mut wgpu::CommandEncoder, view: &View, casters: Casters) {
-        let Self { gpu, timer, passes, buffers, frame, lit, bounds, .. } = self;
-        let seen = (view, &lit.lighting.suns[..], &*bounds);
-        self.maps.draw(gpu, timer, encoder, &passes.shadow_map, buffers, frame, casters, seen);
+    fn draw_maps(&self, recorder: &mut Recorder<'_>, view: &View, casters: Casters) {
+        let Self { gpu, passes, buffers, frame, lit, bounds, .. } = self;
+        let seen = (view, &lit.lighting.suns[..], bounds);
+        self.maps.draw(gpu, recorder, &passes.shadow_map, buffers, frame, casters, seen);
     }
 
     /// Records one sample.
-    fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
-        let Self { gpu, timer, passes, buffers, targets, lists, lit, maps, .. } = self;
+    fn draw(&self, recorder: &mut Recorder<'_>, values: &Frame, way: Way) {
+        let Self { gpu, passes, buffers, targets, lists, lit, maps, frame, .. } = self;
         let Lit { baked, lookups, suns, sky, lamps, .. } = lit;
-        let Some(targets) = targets else { return };
-        raster(gpu, timer, encoder, &passes.raster, buffers, &self.frame, targets);
-        let size = frame.size;
-        let geometry = gpu.group(&passes.resolve.layouts[0], &buffers.resources(&self.frame));
-        let seen = [wgpu::BindingResource::TextureView(&targets.visible_part), targets.gbuffer.as_entire_binding()];
+        let lookups = lookups.iter().find(|(known, _)| *known == way);
+        let (Some(targets), Some((_, lookups))) = (targets, lookups) else { return };
+        let Targets { gbuffer, sunlit, hdr, counts, veils, size, .. } = targets;
+        raster(gpu, recorder, &passes.raster, buffers, frame, targets);
+        let geometry = gpu.group(&passes.resolve.layouts[0], &buffers.resources(frame));
+        let seen = [wgpu::BindingResource::TextureView(&targets.visible_part), gbuffer.as_entire_binding()];
         let seen = gpu.group(&passes.resolve.layouts[1], &seen);
-        passes.resolve.run(encoder, timer.compute("resolve"), &[&geometry, &seen], tiles(size));
-        let shadows = baked.resources();
-        let own = [&self.frame, &targets.gbuffer, suns, &targets.sunlit];
-        let map_resources = maps.resources();
-        if frame.fog_per_m > 0.0 {
-            let own = [&self.frame, &targets.gbuffer, suns, &targets.veils].map(|buffer| buffer.as_entire_binding());
-            let own = gpu.group(&lookups.fog.layouts[0], &own);
-            let shadows = gpu.group(&lookups.fog.layouts[1], &shadows);
-            let maps = gpu.group(&lookups.fog.layouts[2], &map_resources);
-            lookups.fog.run(encoder, timer.compute("fog"), &[&own, &shadows, &maps], tiles(size));
+        recorder.compute("resolve", &passes.resolve, &[&geometry, &seen], tiles(*size));
+        let (baked, maps) = (baked.resources(), maps.resources());
+        if values.fog_per_m > 0.0 {
+            let own = [frame, gbuffer, suns, veils];
+            run(gpu, recorder, &lookups.fog, "fog", &own, &[&baked, &maps], *size);
         }
-        if frame.suns > 0 {
-            let own = gpu.group(&lookups.sun.layouts[0], &own.map(|buffer| buffer.as_entire_binding()));
-            let shadows = gpu.group(&lookups.sun.layouts[1], &shadows);
-            let maps = gpu.group(&lookups.sun.layouts[2], &map_resources);
-            lookups.sun.run(encoder, timer.compute("sun shadows"), &[&own, &shadows, &maps], tiles(size));
+        if values.suns > 0 {
+            let own = [frame, gbuffer, suns, sunlit];
+            run(gpu, recorder, &lookups.sun, "sun shadows", &own, &[&baked, &maps], *size);
         }
-        let own = [&self.frame, &targets.gbuffer, sky, suns, &targets.sunlit, &targets.hdr, &targets.veils];
-        run(gpu, timer, encoder, &passes.shade, "shading", &own, None, size);
-        let Some(lists) = lists.as_ref().filter(|_| frame.lamps > 0) else { return };
-        if frame.layers == 0 {
-            let own = [&self.frame, &targets.gbuffer, &lists.boxes];
-            run(gpu, timer, encoder, &passes.boxes, "tile boxes", &own, None, size);
+        let own = [frame, gbuffer, sky, suns, sunlit, hdr, veils];
+        run(gpu, recorder, &passes.shade, "shading", &own, &[], *size);
+        let Some(lists) = lists.as_ref().filter(|_| values.lamps > 0) else { return };
+        if values.layers == 0 {
+            run(gpu, recorder, &passes.boxes, "tile boxes", &[frame, gbuffer, &lists.boxes], &[], *size);
         } else {
-            let group = [&self.frame, &lists.boxes].map(|b| b.as_entire_binding());
-            let group = gpu.group(&passes.clusters.layouts[0], &group);
-            passes.clusters.run(encoder, timer.compute("tile boxes"), &[&group], [lists.count.div_ceil(64), 1, 1]);
+            let group = gpu.group(&passes.clusters.layouts[0], &[frame, &lists.boxes].map(|b| b.as_entire_binding()));
+            recorder.compute("tile boxes", &passes.clusters, &[&group], [lists.count.div_ceil(64), 1, 1]);
         }
-        let group = [&self.frame, lamps, &lists.boxes, &lists.lists].map(|b| b.as_entire_binding());
-        let group = gpu.group(&passes.lists.layouts[0], &group);
-        let groups = (lists.count * frame.list_words).div_ceil(64);
+        let own = [frame, lamps, &lists.boxes, &lists.lists].map(|b| b.as_entire_binding());
+        let group = gpu.group(&passes.lists.layouts[0], &own);
+        let groups = (lists.count * values.list_words).div_ceil(64);
         let rows = groups.div_ceil(MOST_GROUPS);
-        passes.lists.run(encoder, timer.compute("light lists"), &[&group], [groups.div_ceil(rows), rows, 1]);
-        let own = [&self.frame, &targets.gbuffer, lamps, &lists.lists, &targets.hdr, &targets.counts, &targets.veils];
-        run(gpu, timer, encoder, &lookups.lamps, "lamps", &own, Some(&shadows), size);
+        recorder.compute("light lists", &passes.lists, &[&group], [groups.div_ceil(rows), rows, 1]);
+        let own = [frame, gbuffer, lamps, &lists.lists, hdr, counts, veils];
+        run(gpu, recorder, &lookups.lamps, "lamps", &own, &[&baked], *size);
     }
 
     /// Waits for the last frame and says how long its passes took: empty where the card has no clock.
@@ -450,80 +454,73 @@ fn tiles([width, height]: [u32; 2]) -> [u32; 3] {
     [width.div_ceil(8), height.div_ceil(8), 1]
 }
 
-/// Records a pass over all pixels: its own buffers, and those of the bake.
+/// Records a pass over all pixels: its own buffers, then those of further groups.
 fn run(
     gpu: &Gpu,
-    timer: &mut Timer,
-    encoder: &mut wgpu::CommandEncoder,
+    recorder: &mut Recorder<'_>,
     kernel: &Kernel,
     name: &'static str,
     own: &[&wgpu::Buffer],
-    shadows: Option<&[wgpu::BindingResource<'_>]>,
+    others: &[&[wgpu::BindingResource<'_>]],
     size: [u32; 2],
 ) {
     let own: Vec<_> = own.iter().map(|buffer| buffer.as_entire_binding()).collect();
-    let mut groups = vec![gpu.group(&kernel.layouts[0], &own)];
-    groups.extend(shadows.map(|shadows| gpu.group(&kernel.layouts[1], shadows)));
-    kernel.run(encoder, timer.compute(name), &groups.iter().collect::<Vec<_>>(), tiles(size));
+    let resources = std::iter::once(&own[..]).chain(others.iter().copied());
+    let groups: Vec<_> =
+        kernel.layouts.iter().zip(resources).map(|(layout, resources)| gpu.group(layout, resources)).collect();
+    recorder.compute(name, kernel, &groups.iter().collect::<Vec<_>>(), tiles(size));
 }
 
 fn raster(
     gpu: &Gpu,
-    timer: &mut Timer,
-    encoder: &mut wgpu::CommandEncoder,
-    raster: &super::passes::Raster,
+    recorder: &mut Recorder<'_>,
+    raster: &Raster,
     buffers: &SceneBuffers,
     frame: &wgpu::Buffer,
     targets: &Targets,
 ) {
     let group = gpu.group(&raster.layout, &buffers.resources(frame));
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("raster"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &targets.visible_part,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
-        })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &targets.depth,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        }),
-        timestamp_writes: timer.render("raster"),
-        occlusion_query_set: None,
-        multiview_mask: None,
-    });
-    pass.set_bind_group(0, &group, &[]);
-    for (pipeline, cut_out) in [(&raster.opaque, false), (&raster.cut_out, true)] {
-        pass.set_pipeline(pipeline);
-        for (part, drawn) in (0..).zip(&buffers.parts) {
-            if drawn.is_cut_out == cut_out && drawn.vertices > 0 {
-                pass.draw(0..drawn.vertices, part..part + 1);
+    recorder.draw("raster", Some(&targets.visible_part), (&targets.depth, 0.0), |pass| {
+        pass.set_bind_group(0, &group, &[]);
+        for (pipeline, cut_out) in [(&raster.opaque, false), (&raster.cut_out, true)] {
+            pass.set_pipeline(pipeline);
+            for (part, drawn) in (0..).zip(&buffers.parts) {
+                if drawn.is_cut_out == cut_out && drawn.vertices > 0 {
+                    pass.draw(0..drawn.vertices, part..part + 1);
+                }
             }
         }
+    });
+}
+
+/// The way a lookup goes: see [`Way`].
+fn code(lookup: Lookup) -> u32 {
+    match lookup {
+        Lookup::None => 0,
+        Lookup::Filter(_) => 1,
+        Lookup::Prefiltered(Prefilter::Mean) => 2,
+        Lookup::Prefiltered(Prefilter::Levels(_)) => 3,
+        Lookup::Penumbra(..) => 4,
+        Lookup::Maps(..) => 5,
     }
 }
 
 fn set_lookup(frame: &mut Frame, lookup: Lookup) {
-    let (code, filter) = match lookup {
-        Lookup::None => (0, None),
-        Lookup::Filter(filter) => (1, Some(filter)),
-        Lookup::Prefiltered(Prefilter::Mean) => (2, None),
-        Lookup::Prefiltered(Prefilter::Levels(filter)) => (3, Some(filter)),
-        Lookup::Maps(_, MapFilter::Taps(filter)) => (5, Some(filter)),
-        Lookup::Maps(_, MapFilter::Bilinear) => (5, None),
-        Lookup::Penumbra(tangent, filter) => {
-            frame.sun_tangent = tangent as f32;
-            (4, Some(filter))
-        }
+    if let Lookup::Penumbra(tangent, _) = lookup {
+        frame.sun_tangent = tangent as f32;
+    }
+    let filter = match lookup {
+        Lookup::Filter(filter)
+        | Lookup::Prefiltered(Prefilter::Levels(filter))
+        | Lookup::Penumbra(_, filter)
+        | Lookup::Maps(_, MapFilter::Taps(filter)) => filter,
+        Lookup::None | Lookup::Prefiltered(Prefilter::Mean) | Lookup::Maps(_, MapFilter::Bilinear) => Filter::default(),
     };
-    frame.shadow = code;
-    frame.radius = filter.map_or(0, Filter::radius);
-    frame.kernel = match filter.map(Filter::kernel) {
+    frame.radius = filter.radius();
+    frame.kernel = match filter.kernel() {
         _ if matches!(lookup, Lookup::Maps(_, MapFilter::Bilinear)) => 2,
-        Some(FilterKernel::Tent) => 1,
-        _ => 0,
+        FilterKernel::Tent => 1,
+        FilterKernel::Box => 0,
     };
 }
 

@@ -1,17 +1,28 @@
 //! How long passes take on the card.
 
-use super::Gpu;
+use std::time::{Duration, Instant};
+
+use super::{Gpu, Kernel};
 use crate::RenderError;
 
-/// Most passes of one frame.
+/// Most passes of one frame that the card times.
 const MOST: u32 = 64;
 
-/// Takes the time before and after passes.
+/// Takes the time of a frame's passes.
 #[derive(Debug)]
 pub(crate) struct Timer {
-    /// `None` where the card has no clock.
-    queries: Option<wgpu::QuerySet>,
-    names: Vec<&'static str>,
+    clock: Clock,
+    times: Vec<PassTime>,
+}
+
+#[derive(Debug)]
+enum Clock {
+    /// The card's own, read before and after each pass.
+    Card(wgpu::QuerySet),
+    /// The processor's, which waits for each pass to end. Software cards write their times when they draw, and not when they
+    /// compute.
+    Wall,
+    None,
 }
 
 /// Time that a pass took.
@@ -27,64 +38,167 @@ impl Timer {
     pub fn new(gpu: &Gpu) -> Self {
         let descriptor =
             wgpu::QuerySetDescriptor { label: Some("times"), ty: wgpu::QueryType::Timestamp, count: 2 * MOST };
-        let queries = gpu.has_timestamps().then(|| gpu.device.create_query_set(&descriptor));
-        Self { queries, names: Vec::new() }
+        let clock = if gpu.is_software() {
+            Clock::Wall
+        } else if gpu.has_timestamps() {
+            Clock::Card(gpu.device.create_query_set(&descriptor))
+        } else {
+            Clock::None
+        };
+        Self { clock, times: Vec::new() }
+    }
+
+    /// Times nothing.
+    pub fn off() -> Self {
+        Self { clock: Clock::None, times: Vec::new() }
     }
 
     pub fn begin_frame(&mut self) {
-        self.names.clear();
-    }
-
-    /// The numbers of the next pass's two times.
-    fn next(&mut self, name: &'static str) -> Option<(u32, u32)> {
-        let at = 2 * self.names.len() as u32;
-        (at < 2 * MOST && self.queries.is_some()).then(|| {
-            self.names.push(name);
-            (at, at + 1)
-        })
-    }
-
-    pub fn compute(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        let (begin, end) = self.next(name)?;
-        Some(wgpu::ComputePassTimestampWrites {
-            query_set: self.queries.as_ref()?,
-            beginning_of_pass_write_index: Some(begin),
-            end_of_pass_write_index: Some(end),
-        })
-    }
-
-    pub fn render(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        let (begin, end) = self.next(name)?;
-        Some(wgpu::RenderPassTimestampWrites {
-            query_set: self.queries.as_ref()?,
-            beginning_of_pass_write_index: Some(begin),
-            end_of_pass_write_index: Some(end),
-        })
+        self.times.clear();
     }
 
     /// Waits for the frame and reads its passes' times, in order; passes of one name in a row add up.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<PassTime>, RenderError> {
-        let Some(queries) = self.queries.as_ref().filter(|_| !self.names.is_empty()) else { return Ok(Vec::new()) };
-        let count = 2 * self.names.len() as u32;
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("times"),
-            size: 8 * u64::from(count),
-            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.resolve_query_set(queries, 0..count, &buffer, 0);
-        gpu.queue.submit([encoder.finish()]);
-        let ticks: Vec<u64> = gpu.read(&buffer)?;
-        let period_ms = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
-        let mut times: Vec<PassTime> = Vec::new();
-        for (name, pair) in self.names.iter().zip(ticks.chunks(2)) {
-            let ms = pair[1].saturating_sub(pair[0]) as f64 * period_ms;
-            match times.last_mut().filter(|last| last.name == *name) {
-                Some(last) => last.ms += ms,
-                None => times.push(PassTime { name, ms }),
+        let mut times = self.times.clone();
+        if let Clock::Card(queries) = &self.clock {
+            let period_ms = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
+            for (time, pair) in
+                times.iter_mut().zip(ticks(gpu, queries, self.times.len().min(MOST as usize))?.chunks(2))
+            {
+                time.ms = pair[1].saturating_sub(pair[0]) as f64 * period_ms;
             }
         }
-        Ok(times)
+        let mut summed: Vec<PassTime> = Vec::new();
+        for time in times {
+            match summed.last_mut().filter(|last| last.name == time.name) {
+                Some(last) => last.ms += time.ms,
+                None => summed.push(time),
+            }
+        }
+        Ok(summed)
+    }
+}
+
+/// Two times for each pass.
+fn ticks(gpu: &Gpu, queries: &wgpu::QuerySet, passes: usize) -> Result<Vec<u64>, RenderError> {
+    if passes == 0 {
+        return Ok(Vec::new());
+    }
+    let count = 2 * passes as u32;
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("times"),
+        size: 8 * u64::from(count),
+        usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.resolve_query_set(queries, 0..count, &buffer, 0);
+    gpu.queue.submit([encoder.finish()]);
+    gpu.read(&buffer)
+}
+
+/// Records passes one after the other, and times them.
+pub(crate) struct Recorder<'a> {
+    gpu: &'a Gpu,
+    timer: &'a mut Timer,
+    encoder: wgpu::CommandEncoder,
+}
+
+impl<'a> Recorder<'a> {
+    pub fn new(gpu: &'a Gpu, timer: &'a mut Timer) -> Self {
+        Self { gpu, timer, encoder: gpu.device.create_command_encoder(&Default::default()) }
+    }
+
+    /// A pass of so many workgroups.
+    pub fn compute(&mut self, name: &'static str, kernel: &Kernel, groups: &[&wgpu::BindGroup], workgroups: [u32; 3]) {
+        let start = self.begin(name);
+        let writes = self.writes();
+        let writes = writes.as_ref().map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(*begin),
+            end_of_pass_write_index: Some(*end),
+        });
+        kernel.run(&mut self.encoder, writes, groups, workgroups);
+        self.end(start);
+    }
+
+    /// A pass that draws triangles.
+    pub fn draw(
+        &mut self,
+        name: &'static str,
+        color: Option<&wgpu::TextureView>,
+        (depth, farthest): (&wgpu::TextureView, f32),
+        record: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    ) {
+        let start = self.begin(name);
+        let writes = self.writes();
+        let writes = writes.as_ref().map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(*begin),
+            end_of_pass_write_index: Some(*end),
+        });
+        let color = color.map(|view| wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+        });
+        let colors: Vec<_> = color.into_iter().map(Some).collect();
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(farthest), store: wgpu::StoreOp::Store };
+        let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(name),
+            color_attachments: &colors,
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(ops),
+                stencil_ops: None,
+            }),
+            timestamp_writes: writes,
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        record(&mut pass);
+        drop(pass);
+        self.end(start);
+    }
+
+    /// Hands everything to the card.
+    pub fn submit(self) {
+        self.gpu.queue.submit([self.encoder.finish()]);
+    }
+
+    /// Notes the next pass; by the processor's clock, what was recorded before has ended.
+    fn begin(&mut self, name: &'static str) -> Option<Instant> {
+        if !matches!(self.timer.clock, Clock::None) {
+            self.timer.times.push(PassTime { name, ms: 0.0 });
+        }
+        matches!(self.timer.clock, Clock::Wall).then(|| {
+            self.flush();
+            Instant::now()
+        })
+    }
+
+    /// The card's clock, and where the pass just begun writes its times.
+    fn writes(&self) -> Option<(wgpu::QuerySet, u32, u32)> {
+        let Clock::Card(queries) = &self.timer.clock else { return None };
+        let at = 2 * self.timer.times.len() as u32;
+        (at <= 2 * MOST).then(|| (queries.clone(), at - 2, at - 1))
+    }
+
+    fn end(&mut self, start: Option<Instant>) {
+        let Some(start) = start else { return };
+        self.flush();
+        let elapsed: Duration = start.elapsed();
+        if let Some(time) = self.timer.times.last_mut() {
+            time.ms = 1e3 * elapsed.as_secs_f64();
+        }
+    }
+
+    /// Submits what was recorded and waits for it; a lost card shows when results are read.
+    fn flush(&mut self) {
+        let next = self.gpu.device.create_command_encoder(&Default::default());
+        let recorded = std::mem::replace(&mut self.encoder, next);
+        self.gpu.queue.submit([recorded.finish()]);
+        let _ = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
     }
 }

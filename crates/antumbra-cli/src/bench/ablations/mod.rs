@@ -128,7 +128,15 @@ pub fn run(subjects: &[Subject], wish: &Wish, progress: &Progress) -> Result<Rep
         sections.append(&mut made);
     }
     let rows = sections.iter().flat_map(|section| section.rows.iter().cloned()).collect();
-    Ok(Report { table: "ablations", title: "Ablations of the papers", sections, rows, summary: Row::new(), plots })
+    Ok(Report {
+        table: "ablations",
+        title: "Ablations of the papers",
+        sections,
+        rows,
+        summary: Row::new(),
+        plots,
+        images: Vec::new(),
+    })
 }
 
 fn sections_of(ablation: Ablation) -> Vec<Section> {

@@ -67,5 +67,6 @@ pub fn run(workshop: &Workshop, subjects: &[Subject], wish: &Wish, progress: &Pr
         rows: measured.iter().map(measure::Measurement::row).collect(),
         summary: Row::new(),
         plots: plots::plots(&measured, wish)?,
+        images: Vec::new(),
     })
 }

@@ -5,17 +5,19 @@ use std::path::PathBuf;
 use antumbra_bake::light_space::Resolution;
 use antumbra_scene::procedural::{self, MAX_LAMPS, Options};
 use antumbra_scene::{LightKind, Scene};
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 
 use crate::args::{self, RunArgs};
 use crate::bench::child::Workshop;
+use crate::bench::fly::{self, Flight};
 use crate::bench::lamps::{self, Subject};
 use crate::bench::report::OutputArgs;
 use crate::commands::scene::parse_scale;
 use crate::inputs;
 use crate::progress::Progress;
 
-/// Measures what every spot and point light of a scene takes, beside figure 3 of Kämpe et al. 2015.
+/// Measures what every spot and point light of a scene takes, and a flight among them, beside figures 3 and 4 of Kämpe et
+/// al. 2015.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  antumbra bench lamps --out tables\n  \
                         antumbra bench lamps colosseum.glb --resolution 2048")]
@@ -31,6 +33,12 @@ pub struct Args {
     /// Texels per side and depth slices
     #[arg(long, value_name = "N", value_parser = args::parse_resolution, default_value = "8192")]
     resolution: Resolution,
+    /// Frames of a flight among the lamps on the graphics card, as in figure 4; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    frames: u32,
+    /// Pixels of a frame [default: 1920x1080, or 640x360 on a software card]
+    #[arg(long, value_name = "WxH", value_parser = args::parse_picture_size)]
+    size: Option<[u32; 2]>,
     #[command(flatten)]
     output: OutputArgs,
     #[command(flatten)]
@@ -45,23 +53,33 @@ pub fn run(args: &Args) -> Result<()> {
     args.output.prepare()?;
     let progress = Progress::new(args.run.quiet);
     let workshop = Workshop::new()?;
-    let subject = subject(args, &workshop, &progress)?;
-    let report = lamps::run(&workshop, &subject, args.resolution, args.run.threads(), &progress)?;
+    let (subject, scene) = subject(args, &workshop, &progress)?;
+    let mut report = lamps::run(&workshop, &subject, args.resolution, args.run.threads(), &progress)?;
+    if args.frames > 0 {
+        let flight = Flight { frames: args.frames as usize, size: args.size };
+        let fly = || fly::run(&subject.name, scene, args.resolution, flight, &progress);
+        let (section, rows, plot) = args.run.pool()?.install(fly).context("no flight (--frames 0 leaves it out)")?;
+        report.sections.push(section);
+        report.rows.extend(rows);
+        report.plots.push(plot);
+    }
     drop(progress);
     args.output.publish(&report)
 }
 
-fn subject(args: &Args, workshop: &Workshop, progress: &Progress) -> Result<Subject> {
+fn subject(args: &Args, workshop: &Workshop, progress: &Progress) -> Result<(Subject, Scene)> {
     if let Some(path) = &args.scene {
         progress.stage("reading the scene");
-        let lights = lamps_of(&inputs::scene(path, &[])?);
+        let scene = inputs::scene(path, &[])?;
+        let lights = lamps_of(&scene);
         ensure!(!lights.is_empty(), "the scene has no spot or point light to measure; choose another scene");
-        return Ok(Subject { name: inputs::scene_name(path), path: path.clone(), lights });
+        return Ok((Subject { name: inputs::scene_name(path), path: path.clone(), lights }, scene));
     }
     progress.stage("generating city");
     let options = Options { scale: args.scale, lamps: args.lamps.unwrap_or(LAMPS), ..Options::default() };
     let scene = procedural::build("city", &options)?;
-    Ok(Subject { name: "city".to_owned(), path: workshop.write("city", &scene)?, lights: lamps_of(&scene) })
+    let path = workshop.write("city", &scene)?;
+    Ok((Subject { name: "city".to_owned(), path, lights: lamps_of(&scene) }, scene))
 }
 
 /// Names of a scene's spot and point lights.

@@ -2,6 +2,7 @@
 
 mod ablations;
 mod construction;
+mod csm;
 mod lamps;
 
 use anyhow::{Result, bail};
@@ -13,7 +14,7 @@ use clap::Subcommand;
     after_help = "Example:\n  antumbra bench construction --largest 8192 --out tables",
     arg_required_else_help = true,
     subcommand_value_name = "TABLE",
-    subcommand_help_heading = "Tables (encodings, csm, ivsv and culling come with a later version)",
+    subcommand_help_heading = "Tables (encodings, ivsv and culling come with a later version)",
     disable_help_subcommand = true
 )]
 pub struct Args {
@@ -27,7 +28,9 @@ enum Table {
     Ablations(ablations::Args),
     /// Seconds, memory and bytes of the construction, beside the papers' methods and figures
     Construction(construction::Args),
-    /// Seconds and bytes of every spot and point light of a scene
+    /// Baked shadows beside cascaded shadow maps: time on the graphics card, error against traced truth
+    Csm(csm::Args),
+    /// Seconds and bytes of every spot and point light of a scene, and a flight among them
     Lamps(lamps::Args),
     #[command(external_subcommand)]
     Other(Vec<String>),
@@ -38,9 +41,10 @@ pub fn run(args: &Args) -> Result<()> {
     match &args.table {
         Table::Ablations(args) => ablations::run(args),
         Table::Construction(args) => construction::run(args),
+        Table::Csm(args) => csm::run(args),
         Table::Lamps(args) => lamps::run(args),
         Table::Other(words) => bail!(
-            "the table \"{}\" is not in this version; this one has: ablations, construction, lamps",
+            "the table \"{}\" is not in this version; this one has: ablations, construction, csm, lamps",
             words.first().map_or("", String::as_str)
         ),
     }

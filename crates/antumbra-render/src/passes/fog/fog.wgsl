@@ -23,10 +23,10 @@ const MAPS: u32 = 5u;
 const STEPS: u32 = 64u;
 
 fn lit_through(sun: u32, end: vec3<f32>, optical_depth: f32) -> f32 {
-    if frame.shadow == 0u {
+    if SHADOW == 0u {
         return antumbra_lit_weight(optical_depth, 0.0, 1.0);
     }
-    if frame.shadow != MAPS {
+    if SHADOW != MAPS {
         return antumbra_lit_through(lights[sun], vec3(0.0), end, optical_depth);
     }
     var lit = 0.0;

@@ -21,7 +21,7 @@ fn luminance(color: vec3<f32>) -> f32 {
 
 fn looked_up(light: AntumbraLight, s: Surface) -> f32 {
     let filter_ = AntumbraFilter(frame.radius, frame.kernel);
-    switch frame.shadow {
+    switch SHADOW {
         case FILTER: { return antumbra_filtered(light, s.position, s.face_normal, filter_); }
         case MEAN: { return antumbra_mean(light, s.position, s.face_normal, s.footprint_m); }
         case LEVELS: { return antumbra_levels(light, s.position, s.face_normal, s.footprint_m, filter_); }

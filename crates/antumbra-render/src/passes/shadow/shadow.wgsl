@@ -20,7 +20,7 @@ const PENUMBRA: u32 = 4u;
 
 fn looked_up(light: AntumbraLight, s: Surface) -> f32 {
     let filter_ = AntumbraFilter(frame.radius, frame.kernel);
-    switch frame.shadow {
+    switch SHADOW {
         case FILTER: { return antumbra_filtered(light, s.position, s.face_normal, filter_); }
         case MEAN: { return antumbra_mean(light, s.position, s.face_normal, s.footprint_m); }
         case LEVELS: { return antumbra_levels(light, s.position, s.face_normal, s.footprint_m, filter_); }
@@ -43,7 +43,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             if can_be_lit(s, suns[sun].towards.xyz) {
                 seen = looked_up(lights[sun], s);
                 // Maps of everything, or over a bake of what moves.
-                if seen > 0.0 && frame.cascades > 0u {
+                if HAS_MAPS && seen > 0.0 {
                     seen *= csm_visibility(
                         sun * frame.cascades, frame.cascades, s.position, s.face_normal, frame.radius, frame.kernel);
                 }
