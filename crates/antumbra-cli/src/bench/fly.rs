@@ -89,7 +89,7 @@ pub fn run(
     progress.stage("preparing the scene");
     let scene = Arc::new(scene);
     let rays = Renderer::new(&scene);
-    let cameras = path::cameras(&scene, flight.frames)?;
+    let cameras = path::cameras_among(&scene, &lamps, flight.frames)?;
     let setting = |top_grid| Setting {
         lights: lamps.clone(),
         time: Some(Time::Night),

@@ -1,7 +1,7 @@
 //! A camera's way through a scene, for tables that measure frames.
 
-use antumbra_render::{RenderError, default_camera};
-use antumbra_scene::{Camera, Scene};
+use antumbra_render::{RenderError, default_camera, look_at};
+use antumbra_scene::{Camera, Light, Scene};
 use glam::DVec3;
 
 /// So many cameras along a closed way through the scene's own ones, evenly timed; round the scene where it has fewer than
@@ -13,6 +13,30 @@ pub fn cameras(scene: &Scene, frames: usize) -> Result<Vec<Camera>, RenderError>
     };
     Ok((0..frames).map(|i| between(&keys, i as f64 * keys.len() as f64 / frames as f64)).collect())
 }
+
+/// So many cameras along a way from lamp to lamp, always to the nearest that was not yet visited, as one walks along streets:
+/// a little above each, looking ahead. As [`cameras`] where there are fewer than two.
+pub fn cameras_among(scene: &Scene, lamps: &[Light], frames: usize) -> Result<Vec<Camera>, RenderError> {
+    let mut left: Vec<DVec3> = lamps.iter().map(|lamp| lamp.position_world).collect();
+    let middle = scene.bounds(|_| true).center();
+    let mut way: Vec<DVec3> = Vec::new();
+    while way.len() < MOST_LAMPS && !left.is_empty() {
+        let here = *way.last().unwrap_or(&middle);
+        let nearest = |i: &usize, j: &usize| left[*i].distance(here).total_cmp(&left[*j].distance(here));
+        let next = (0..left.len()).min_by(nearest).unwrap_or(0);
+        way.push(left.swap_remove(next));
+    }
+    let key = |pair: &[DVec3]| look_at(pair[0] + DVec3::Y * 1.5, pair[1] - DVec3::Y * 1.5, 1.0).ok();
+    let keys: Vec<Camera> = way.windows(2).filter_map(key).collect();
+    if keys.len() < 2 {
+        return cameras(scene, frames);
+    }
+    let step = (keys.len() - 1) as f64 / frames.max(1) as f64;
+    Ok((0..frames).map(|i| between(&keys, i as f64 * step)).collect())
+}
+
+/// Lamps that a way passes.
+const MOST_LAMPS: usize = 24;
 
 /// Eight views of the scene from all round.
 fn around(scene: &Scene) -> Result<Vec<Camera>, RenderError> {
@@ -53,6 +77,15 @@ mod tests {
     use antumbra_scene::procedural::{self, Options};
 
     use super::*;
+
+    #[test]
+    fn a_way_among_lamps_looks_ahead() {
+        let scene = procedural::build("city", &Options { scale: 0.1, lamps: 9, ..Options::default() }).expect("a scene");
+        let way = cameras_among(&scene, &scene.lights[1..], 30).expect("a way");
+        assert_eq!(way.len(), 30);
+        assert!(way.iter().all(|camera| camera.eye_world.is_finite() && camera.forward_world.is_normalized()));
+        assert_eq!(cameras_among(&scene, &[], 5).expect("a way").len(), 5);
+    }
 
     #[test]
     fn the_way_passes_the_scenes_cameras() {

@@ -1,0 +1,153 @@
+//! The graphics card draws what the CPU's passes draw, within 1/255 but for edge pixels: where a ray that is moved by a hundredth
+//! of a pixel, or a shadow's border that is moved by rounding, shows something else.
+
+use std::sync::Arc;
+
+use antumbra::{Filter, Prefilter, ShadowFile};
+use antumbra_render::gpu::{Gpu, GpuRenderer, LampLists, Lookup, Setting};
+use antumbra_render::{
+    Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera,
+};
+use antumbra_scene::{Camera, Scene};
+use antumbra_testbed::{baked, first_lights, gpu, procedural};
+
+/// A scene with its bake, as both draw it.
+struct Stage {
+    gpu: Gpu,
+    scene: Arc<Scene>,
+    file: Arc<ShadowFile>,
+}
+
+impl Stage {
+    /// With its first lights of each kind, baked.
+    fn new(mut scene: Scene, lights: [usize; 3], resolution: u32) -> Self {
+        scene.lights = first_lights(&scene, lights);
+        let file = Arc::new(baked(&scene, &scene.lights, resolution));
+        Self { gpu: gpu(), scene: Arc::new(scene), file }
+    }
+
+    fn cameras(&self) -> Vec<Camera> {
+        let default = default_camera(&self.scene).expect("a camera");
+        self.scene.cameras.iter().take(2).cloned().chain([default]).collect()
+    }
+
+    /// Draws the same picture on both and compares them.
+    fn compare(&self, what: &str, options: &RenderOptions, source: ShadowSource<'_>, lookup: Lookup, lists: LampLists) {
+        let rays = Renderer::new(&self.scene);
+        let bake = source_has_bake(source).then(|| Arc::clone(&self.file));
+        let setting = Setting {
+            lights: self.scene.lights.clone(),
+            time: options.time,
+            bake,
+            top_grid: lists == LampLists::Tiled,
+            rays: Some(&rays),
+        };
+        let mut on_card = GpuRenderer::new(&self.gpu, Arc::clone(&self.scene), setting).expect("a renderer");
+        on_card.lamp_lists = lists;
+        for camera in self.cameras() {
+            let by_cpu = rays.render(&camera, options, source, &|_, _| {}).expect("a picture");
+            // The same exposure: it follows from all pixels, and edges are among them.
+            let exposed = RenderOptions { exposure: Some(by_cpu.exposure()), ..options.clone() };
+            let by_card = on_card.render(&camera, &exposed, lookup).expect("a picture");
+            compare(&format!("{what}, camera {}", camera.name), &by_cpu, &by_card);
+            let own = on_card.render(&camera, options, lookup).expect("a picture");
+            let ratio = own.exposure() / by_cpu.exposure();
+            assert!((ratio - 1.0).abs() < 2e-3, "{what}: exposed {ratio} times as long");
+        }
+    }
+}
+
+fn source_has_bake(source: ShadowSource<'_>) -> bool {
+    !matches!(source, ShadowSource::None | ShadowSource::Traced | ShadowSource::Maps { .. })
+}
+
+/// Largest share of pixels that may lie on edges which rounding moves.
+const EDGES: f64 = 0.002;
+
+fn compare(what: &str, a: &Picture, b: &Picture) {
+    let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 1);
+    let pixels = a.rgb().chunks(3).zip(b.rgb().chunks(3));
+    let off: Vec<usize> = pixels.enumerate().filter(|(_, pair)| differs(*pair)).map(|(i, _)| i).collect();
+    let (width, all) = (a.width() as usize, a.rgb().len() / 3);
+    for &i in &off {
+        let neighbours = [i.wrapping_sub(1), i + 1, i.wrapping_sub(width), i + width];
+        // An edge: the pixel lies between two that differ, or the whole is a thin thing that one of them misses.
+        let [own, there] = [a, b].map(|picture| &picture.rgb()[3 * i..3 * i + 3]);
+        let like = |j: &usize| {
+            let beside = |p: &Picture| p.rgb().get(3 * j..3 * j + 3).map(<[u8]>::to_vec).unwrap_or_default();
+            beside(a).iter().zip(own).chain(beside(b).iter().zip(there)).any(|(n, c)| n.abs_diff(*c) > 2)
+        };
+        assert!(neighbours.iter().any(like), "{what}: pixel {} {} of a plain surface differs", i % width, i / width);
+    }
+    assert!(off.len() as f64 <= EDGES * all as f64, "{what}: {} of {all} pixels differ", off.len());
+    println!("{what}: {} of {all} pixels differ by more than 1/255", off.len());
+}
+
+fn options(time: Time) -> RenderOptions {
+    RenderOptions { width: 240, height: 135, samples: 1, ao_samples: 0, time: Some(time), ..RenderOptions::default() }
+}
+
+#[test]
+fn daylight_is_the_same_in_every_way() {
+    let stage = Stage::new(procedural("village", 0.4), [1, 0, 0], 4096);
+    let shadows = &*stage.file;
+    let day = options(Time::Day);
+    let tent = Filter::new_tent(5).expect("a filter");
+    let nine = Filter::new_box(9).expect("a filter");
+    let cascades = Cascades { size: 512, ..Cascades::default() };
+    let tiled = LampLists::Tiled;
+    stage.compare("no shadows", &day, ShadowSource::None, Lookup::None, tiled);
+    stage.compare("9 x 9", &day, ShadowSource::Dag { shadows, filter: nine }, Lookup::Filter(nine), tiled);
+    for how in [Prefilter::Mean, Prefilter::Levels(tent)] {
+        stage.compare("prefiltered", &day, ShadowSource::Prefiltered { shadows, how }, Lookup::Prefiltered(how), tiled);
+    }
+    let penumbra = ShadowSource::Penumbra { shadows, sun_tangent: 0.02, filter: tent };
+    stage.compare("penumbrae", &day, penumbra, Lookup::Penumbra(0.02, tent), tiled);
+    for filter in [MapFilter::Bilinear, MapFilter::Taps(tent)] {
+        let maps = ShadowSource::Maps { cascades, filter };
+        stage.compare("shadow maps", &day, maps, Lookup::Maps(cascades, filter), tiled);
+    }
+    let fog = RenderOptions { fog: Some(Fog { density_per_m: 0.01, anisotropy: 0.5 }), samples: 3, ..day };
+    stage.compare("fog", &fog, ShadowSource::Dag { shadows, filter: tent }, Lookup::Filter(tent), tiled);
+}
+
+#[test]
+fn night_is_the_same_with_either_lists() {
+    let stage = Stage::new(procedural("village", 0.4), [0, 20, 20], 512);
+    let shadows = &*stage.file;
+    let filter = Filter::new_box(5).expect("a filter");
+    for lists in [LampLists::Tiled, LampLists::Clustered] {
+        let source = ShadowSource::Dag { shadows, filter };
+        stage.compare("night", &options(Time::Night), source, Lookup::Filter(filter), lists);
+    }
+}
+
+#[test]
+fn textures_masks_and_translucent_layers_are_the_same() {
+    let stage = Stage::new(procedural("ruins", 0.3), [1, 0, 0], 2048);
+    let shadows = &*stage.file;
+    let filter = Filter::new_box(3).expect("a filter");
+    let source = ShadowSource::Dag { shadows, filter };
+    let options = RenderOptions { samples: 2, ..options(Time::Day) };
+    stage.compare("ruins", &options, source, Lookup::Filter(filter), LampLists::Tiled);
+}
+
+#[test]
+fn what_moves_casts_shadows_over_a_bake() {
+    let mut scene = procedural("village", 0.3);
+    // Every seventh node moves: it is not in the bake.
+    scene.nodes.iter_mut().step_by(7).for_each(|node| node.dynamic = true);
+    let stage = Stage::new(scene, [1, 0, 0], 2048);
+    let shadows = &*stage.file;
+    let filter = Filter::new_box(3).expect("a filter");
+    let source = ShadowSource::Dag { shadows, filter };
+    let day = options(Time::Day);
+    stage.compare("movers", &day, source, Lookup::Filter(filter), LampLists::Tiled);
+    // And it matters: without them some of the ground is brighter.
+    let rays = Renderer::new(&stage.scene);
+    let camera = default_camera(&stage.scene).expect("a camera");
+    let moving = rays.render(&camera, &day, source, &|_, _| {}).expect("a picture");
+    let traced = rays.render(&camera, &day, ShadowSource::Traced, &|_, _| {}).expect("a picture");
+    let off = moving.hdr().iter().zip(traced.hdr()).filter(|(a, b)| (a[1] - b[1]).abs() > 0.05).count();
+    assert!(off < moving.hdr().len() / 50, "{off} pixels unlike traced shadows");
+}
