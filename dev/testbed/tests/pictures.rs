@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use antumbra::{Filter, Prefilter, ShadowFile};
 use antumbra_render::gpu::{Gpu, GpuRenderer, LampLists, Lookup, Setting};
-use antumbra_render::{
-    Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera,
-};
+use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera};
 use antumbra_scene::{Camera, Scene};
 use antumbra_testbed::{baked, first_lights, gpu, procedural};
 

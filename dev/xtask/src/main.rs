@@ -1,5 +1,6 @@
 //! Chores of the repository: `cargo xtask <chore>`.
 
+mod driver;
 mod edges;
 
 use std::path::Path;
@@ -10,7 +11,8 @@ use anyhow::{Context, Result, bail};
 const USAGE: &str = "usage: cargo xtask <chore>
 
 chores:
-  test      everything that must hold: formatting, lints, crate edges, the no_std build, docs, all tests
+  test      everything that must hold: formatting, lints, crate edges, the no_std build, docs, all tests; installs a
+            software Vulkan driver where there is none
   edges     check which crates depend on which
   bless     write the golden files anew, after a change of the bytes that is meant
   pictures  render the README's pictures into docs/figures (scenes from ../shared/scenes where they are)
@@ -38,7 +40,7 @@ fn main() -> ExitCode {
 }
 
 fn test() -> Result<()> {
-    println!("No part of this version needs a GPU: no Vulkan driver is looked for or installed.");
+    driver::ensure()?;
     cargo("fmt", &["--all", "--check"])?;
     edges::check()?;
     cargo("clippy", &["--workspace", "--all-targets", "--", "-D", "warnings"])?;

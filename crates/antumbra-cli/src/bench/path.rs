@@ -80,7 +80,8 @@ mod tests {
 
     #[test]
     fn a_way_among_lamps_looks_ahead() {
-        let scene = procedural::build("city", &Options { scale: 0.1, lamps: 9, ..Options::default() }).expect("a scene");
+        let scene =
+            procedural::build("city", &Options { scale: 0.1, lamps: 9, ..Options::default() }).expect("a scene");
         let way = cameras_among(&scene, &scene.lights[1..], 30).expect("a way");
         assert_eq!(way.len(), 30);
         assert!(way.iter().all(|camera| camera.eye_world.is_finite() && camera.forward_world.is_normalized()));
