@@ -96,26 +96,51 @@ fn what_needs_too_much_memory_is_a_row() {
 #[test]
 fn lamps_are_measured_one_by_one() {
     let folder = folder();
-    let bench = "bench lamps --scale 0.1 --lamps 5 --resolution 128 --threads 2 --out {out}";
+    let bench = "bench lamps --scale 0.1 --lamps 5 --resolution 128 --threads 2 --frames 2 --size 64x48 --out {out}";
     let text = run(folder.path(), bench).ok();
     assert!(text.contains("| lights | 5 | 165 |") && text.contains(" on 1 thread(s) |"), "{text}");
     let table: Value =
         serde_json::from_slice(&fs::read(folder.path().join("out/lamps.json")).expect("a file")).expect("JSON");
-    assert_eq!((&table["table"], rows(&table).len()), (&"lamps".into(), 5));
-    for row in rows(&table) {
+    // Five lamps, and two frames of the flight in four ways.
+    assert_eq!((&table["table"], rows(&table).len()), (&"lamps".into(), 5 + 2 * 4));
+    let (lamps, frames) = rows(&table).split_at(5);
+    for row in frames {
+        assert_eq!((&row["lights"], &row["width"], &row["height"]), (&5.into(), &64.into(), &48.into()));
+        assert!(row["ms"]["shading"].is_number() && row["lights_per_pixel"].is_number(), "{row}");
+    }
+    assert!(text.contains("| 9 x 9 taps, tiled |"), "{text}");
+    for row in lamps {
         assert_eq!((&row["kind"], &row["resolution"], &row["scene"]), (&"spot".into(), &128.into(), &"city".into()));
         assert!(row["build_seconds"].is_number() && row["light"].is_string());
         assert_eq!(row["shadow_map_bytes"], 2 * 128 * 128);
     }
     run(folder.path(), "scene city --scale 0.1 --lamps 5 -o {c.glb}").ok();
     let all = run(folder.path(), "bake {c.glb} -o {b} --resolution 128 --json").json();
-    let bytes: u64 = rows(&table).iter().filter_map(|row| row["bytes"].as_u64()).sum();
+    let bytes: u64 = lamps.iter().filter_map(|row| row["bytes"].as_u64()).sum();
     assert_eq!(table["summary"]["bytes"], bytes);
     // The sun of the same file shares nodes with the lamps.
     let with_sun: u64 = all["lights"].as_array().expect("lights").iter().filter_map(|l| l["bytes"].as_u64()).sum();
     assert!(bytes > 0 && bytes < with_sun);
     let svg = fs::read_to_string(folder.path().join("out/lamps-city-distribution.svg")).expect("a plot");
     assert!(svg.starts_with("<svg") && !svg.contains("NaN"));
+}
+
+#[test]
+fn baked_shadows_are_held_against_shadow_maps() {
+    let folder = folder();
+    let bench = "bench csm --scale 0.1 --resolution 2048 --frames 2 --size 96x64 --truth 4 --out {out}";
+    let text = run(folder.path(), bench).ok();
+    assert!(text.contains("| csm, 4 maps, 2 x 2 |") && text.contains("| dag, 9 x 9 |"), "{text}");
+    let table: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("out/csm.json")).expect("a file")).expect("JSON");
+    for row in rows(&table) {
+        assert!(["csm", "dag"].contains(&row["technique"].as_str().unwrap_or_default()), "{row}");
+        assert!(row["ms"].as_f64() > Some(0.0) && row["rmse"].as_f64().is_some_and(|e| (0.0..64.0).contains(&e)), "{row}");
+    }
+    for name in ["csm-city-error.svg", "csm-city-truth.png", "csm-city-dag-1.png", "csm-city-csm-2x2.png"] {
+        assert!(folder.path().join("out").join(name).exists(), "no {name}");
+    }
+    run(folder.path(), "bench csm {dark.glb} --frames 1").fails(&["cannot read"]);
 }
 
 #[test]

@@ -49,6 +49,29 @@ fn cameras_are_chosen_by_name_or_place() {
 }
 
 #[test]
+fn both_devices_draw_the_same_picture() {
+    let folder = folder();
+    run(folder.path(), "bake {city} -o {b} --levels --enter-depths --resolution 2048").ok();
+    for way in ["--shadows {b} --filter 5", "--shadows {b} --penumbra 2", "--technique csm --cascades 2", "--shadows {b} --fog 0.01"] {
+        let mut drawn = Vec::new();
+        for device in ["cpu", "gpu"] {
+            let line = format!("render {{city}} -o {{{device}.png}} --size 96x64 --samples 1 {way} --device {device}");
+            run(folder.path(), &line).ok();
+            drawn.push(image::open(folder.path().join(format!("{device}.png"))).expect("a picture").to_rgb8());
+        }
+        let off = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 1;
+        let differ = drawn[0].as_raw().iter().zip(drawn[1].as_raw()).filter(|pair| off(*pair)).count();
+        assert!(differ < drawn[0].as_raw().len() / 200, "{way}: {differ} bytes differ");
+    }
+    let gpu = "render {city} -o {p.png} --size 16x16 --device gpu";
+    run(folder.path(), gpu).fails(&["traces no rays", "--shadows"]);
+    run(folder.path(), &format!("{gpu} --shadows {{b}} --gather 4")).fails(&["--gather"]);
+    run(folder.path(), &format!("{gpu} --shadows {{b}} --fog 0")).fails(&["density"]);
+    run(folder.path(), &format!("{gpu} --shadows {{baked}} --penumbra 1")).fails(&["--enter-depths"]);
+    run(folder.path(), &format!("{gpu} --shadows {{b}} --penumbra 50")).fails(&["30 degrees"]);
+}
+
+#[test]
 fn the_demo_shows_everything() {
     let folder = folder();
     let text = run(folder.path(), "demo --out {a/b} --scale 0.05").ok();

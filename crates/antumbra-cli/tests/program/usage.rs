@@ -66,13 +66,10 @@ fn bad_usage_is_told_apart() {
 fn what_comes_later_says_so() {
     let folder = folder();
     let later = [
-        "view a.glb",
         "rebuild f a.glb b.glb -o g",
-        "bench csm",
+        "bench culling",
         "bake {city} -o {b} --resume",
         "bake {city} -o {b} --encoding best",
-        "render {city} -o {p} --technique csm",
-        "render {city} -o {p} --device gpu",
     ];
     for line in later {
         run(folder.path(), line).fails(&["not in this version"]);
