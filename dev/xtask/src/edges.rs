@@ -6,12 +6,13 @@ use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
 /// What each crate of the workspace may depend on within it. The program may see everything but dev/.
-const MAY_DEPEND_ON: [(&str, &[&str]); 5] = [
+const MAY_DEPEND_ON: [(&str, &[&str]); 6] = [
     ("antumbra", &[]),
     ("antumbra-scene", &[]),
     ("antumbra-bake", &["antumbra", "antumbra-scene"]),
     ("antumbra-render", &["antumbra", "antumbra-scene"]),
-    ("antumbra-cli", &["antumbra", "antumbra-scene", "antumbra-bake", "antumbra-render"]),
+    ("antumbra-viewer", &["antumbra", "antumbra-scene", "antumbra-bake", "antumbra-render"]),
+    ("antumbra-cli", &["antumbra", "antumbra-scene", "antumbra-bake", "antumbra-render", "antumbra-viewer"]),
 ];
 
 /// What the runtime, which games ship, may take from elsewhere.

@@ -1,25 +1,58 @@
-//! `antumbra view`: not in this version.
+//! `antumbra view`: the interactive window.
 
 use std::path::PathBuf;
 
-use anyhow::{Result, bail};
+use antumbra_bake::light_space::Resolution;
+use antumbra_viewer::{Script, ViewOptions};
+use anyhow::Result;
 
-/// Opens a scene in an interactive window. Not in this version.
+use crate::{args, inputs, output};
+
+const EXAMPLES: &str = "Examples:
+  antumbra view city.glb
+  antumbra view city.glb --shadows city.antumbra
+
+A script has one step per line; # begins a comment:
+  wait-bake                 wait for the bake in the background
+  set KEY VALUE             technique baked|maps|none, filter K, kernel box|tent, prefilter none|mean|levels,
+                            penumbra DEG, cascades N, lists tiled|clustered, time day|night|auto, samples N,
+                            fog PER-METRE, sun AZ,EL
+  frame X,Y,Z X,Y,Z         draw a frame from an eye, looking at a target; metres
+  screenshot PATH.png       save the window's picture, with its panel";
+
+/// Opens a scene in a window: fly about, drag the sun, switch and time its shadows. Files dropped on it are opened.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  antumbra view city.glb --shadows city.antumbra")]
+#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// The scene: .glb, .gltf or .obj
     scene: PathBuf,
-    /// A bake of the scene
+    /// A bake of the scene [default: its lights are baked in the background]
     #[arg(long, value_name = "FILE")]
     shadows: Option<PathBuf>,
+    /// Texels per side of bakes in the background
+    #[arg(long, value_name = "N", value_parser = args::parse_resolution, default_value = "4096")]
+    resolution: Resolution,
+    /// The window's size, pixels
+    #[arg(long, value_name = "WxH", value_parser = args::parse_picture_size, default_value = "1280x720")]
+    size: [u32; 2],
+    /// Replay a camera's way from a file, print the mean time of a frame, and close
+    #[arg(long, value_name = "FILE")]
+    script: Option<PathBuf>,
 }
 
-/// Says that there is no window yet.
+/// Opens the window; returns when it is closed.
 pub fn run(args: &Args) -> Result<()> {
-    let scene = args.scene.display();
-    let shadows = args.shadows.as_ref().map_or(String::new(), |file| format!(" --shadows {}", file.display()));
-    bail!(
-        "the interactive window is not in this version; draw a picture with: antumbra render {scene}{shadows} -o picture.png"
-    )
+    let script = match &args.script {
+        Some(path) => Some(Script::parse(&String::from_utf8_lossy(&inputs::file(path)?))?),
+        None => None,
+    };
+    let scene = inputs::scene(&args.scene, &[])?;
+    let bake = args.shadows.as_ref().map(|path| inputs::shadows(path)).transpose()?.map(|(file, _)| file);
+    let has_script = script.is_some();
+    let options = ViewOptions { scene, bake, resolution: args.resolution.texels(), size: args.size, script };
+    let closed = antumbra_viewer::run(options)?;
+    if has_script {
+        output::print(&format!("{} frames, {:.1} ms each on average\n", closed.frames, closed.mean_ms))?;
+    }
+    Ok(())
 }

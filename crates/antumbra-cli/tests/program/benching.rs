@@ -135,7 +135,10 @@ fn baked_shadows_are_held_against_shadow_maps() {
         serde_json::from_slice(&fs::read(folder.path().join("out/csm.json")).expect("a file")).expect("JSON");
     for row in rows(&table) {
         assert!(["csm", "dag"].contains(&row["technique"].as_str().unwrap_or_default()), "{row}");
-        assert!(row["ms"].as_f64() > Some(0.0) && row["rmse"].as_f64().is_some_and(|e| (0.0..64.0).contains(&e)), "{row}");
+        assert!(
+            row["ms"].as_f64() > Some(0.0) && row["rmse"].as_f64().is_some_and(|e| (0.0..64.0).contains(&e)),
+            "{row}"
+        );
     }
     for name in ["csm-city-error.svg", "csm-city-truth.png", "csm-city-dag-1.png", "csm-city-csm-2x2.png"] {
         assert!(folder.path().join("out").join(name).exists(), "no {name}");

@@ -52,7 +52,12 @@ fn cameras_are_chosen_by_name_or_place() {
 fn both_devices_draw_the_same_picture() {
     let folder = folder();
     run(folder.path(), "bake {city} -o {b} --levels --enter-depths --resolution 2048").ok();
-    for way in ["--shadows {b} --filter 5", "--shadows {b} --penumbra 2", "--technique csm --cascades 2", "--shadows {b} --fog 0.01"] {
+    for way in [
+        "--shadows {b} --filter 5",
+        "--shadows {b} --penumbra 2",
+        "--technique csm --cascades 2",
+        "--shadows {b} --fog 0.01",
+    ] {
         let mut drawn = Vec::new();
         for device in ["cpu", "gpu"] {
             let line = format!("render {{city}} -o {{{device}.png}} --size 96x64 --samples 1 {way} --device {device}");

@@ -93,6 +93,18 @@ impl ShadowFile {
         self.lights().find(|light| light.name() == name)
     }
 
+    /// Whether any light has coarse levels.
+    #[must_use]
+    pub fn has_levels(&self) -> bool {
+        self.level_roots.iter().any(|levels| !levels.is_empty())
+    }
+
+    /// Whether the file holds enter depths.
+    #[must_use]
+    pub fn has_enter_depths(&self) -> bool {
+        self.enters.is_some()
+    }
+
     /// The shared node pool: upload it as it is. See [`super::dag8`].
     #[must_use]
     pub fn pool(&self) -> &[u32] {

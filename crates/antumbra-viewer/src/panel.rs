@@ -1,0 +1,212 @@
+//! The panel over the picture: choices, figures and plots.
+
+use std::collections::VecDeque;
+
+use antumbra::Kernel;
+use antumbra_render::Time;
+use antumbra_render::gpu::PassTime;
+use antumbra_scene::Camera;
+use egui::{Color32, ComboBox, Panel, Pos2, Sense, Slider, Stroke, Ui, Vec2};
+
+use crate::settings::{Averaging, Settings, Technique};
+
+/// What the panel shows beside the choices.
+pub(crate) struct Facts<'a> {
+    pub scene: &'a str,
+    pub triangles: u64,
+    pub lights: usize,
+    pub bake_bytes: Option<u64>,
+    pub has_levels: bool,
+    pub has_enters: bool,
+    pub card: &'a str,
+    /// What goes on in the background.
+    pub state: Option<&'a str>,
+    pub message: Option<&'a str>,
+    pub cameras: &'a [Camera],
+    pub lights_per_pixel: f64,
+    pub frame_ms: f64,
+    pub speed: f64,
+}
+
+/// What the user wants besides other settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Wishes {
+    pub screenshot: bool,
+    /// A camera of the scene.
+    pub camera: Option<usize>,
+}
+
+/// Times of the last frames' passes.
+#[derive(Default)]
+pub(crate) struct History {
+    frames: VecDeque<Vec<PassTime>>,
+}
+
+/// Frames in the plot.
+const KEPT: usize = 120;
+
+impl History {
+    pub fn add(&mut self, times: Vec<PassTime>) {
+        self.frames.push_back(times);
+        if self.frames.len() > KEPT {
+            self.frames.pop_front();
+        }
+    }
+
+    /// Passes in the last frame's order.
+    fn names(&self) -> Vec<&'static str> {
+        self.frames.back().map_or(Vec::new(), |times| times.iter().map(|time| time.name).collect())
+    }
+
+    fn ms(frame: &[PassTime], name: &str) -> f64 {
+        frame.iter().filter(|time| time.name == name).map(|time| time.ms).sum()
+    }
+
+    fn mean_ms(&self, name: &str) -> f64 {
+        let sum: f64 = self.frames.iter().map(|frame| Self::ms(frame, name)).sum();
+        sum / self.frames.len().max(1) as f64
+    }
+}
+
+/// Draws the panel and changes the settings.
+pub(crate) fn show(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>, history: &History) -> Wishes {
+    let mut wishes = Wishes::default();
+    Panel::left("panel").default_size(270.0).show(ui, |ui| {
+        egui::ScrollArea::vertical().show(ui, |ui| {
+            ui.heading(facts.scene);
+            ui.label(format!("{} triangles, {} lights", facts.triangles, facts.lights));
+            if let Some(state) = facts.state {
+                ui.horizontal(|ui| {
+                    ui.spinner();
+                    ui.label(state);
+                });
+            }
+            if let Some(message) = facts.message {
+                ui.colored_label(Color32::from_rgb(240, 120, 90), message);
+            }
+            ui.separator();
+            shadows(ui, settings, facts);
+            ui.separator();
+            light(ui, settings);
+            ui.separator();
+            cameras(ui, facts, &mut wishes);
+            ui.separator();
+            figures(ui, facts, history);
+        });
+    });
+    wishes
+}
+
+/// A choice of one from a few.
+fn choose<T: PartialEq + Copy>(ui: &mut Ui, label: &str, value: &mut T, all: &[(T, &str)]) {
+    let name = all.iter().find(|(one, _)| one == value).map_or("", |(_, name)| name);
+    ComboBox::from_label(label).selected_text(name).show_ui(ui, |ui| {
+        for (one, name) in all {
+            ui.selectable_value(value, *one, *name);
+        }
+    });
+}
+
+fn shadows(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
+    let techniques = [(Technique::Baked, "baked"), (Technique::Maps, "shadow maps"), (Technique::None, "none")];
+    choose(ui, "shadows", &mut settings.technique, &techniques);
+    let mut radius = settings.taps / 2;
+    ui.add(Slider::new(&mut radius, 0..=8).text("filter").custom_formatter(|r, _| format!("{0} x {0}", 2.0 * r + 1.0)));
+    settings.taps = 2 * radius + 1;
+    choose(ui, "kernel", &mut settings.kernel, &[(Kernel::Box, "box"), (Kernel::Tent, "tent")]);
+    match settings.technique {
+        Technique::Baked => {
+            let mut ways = vec![(Averaging::None, "none"), (Averaging::Mean, "mean of the footprint")];
+            ways.extend(facts.has_levels.then_some((Averaging::Levels, "coarse levels")));
+            choose(ui, "prefilter", &mut settings.averaging, &ways);
+            if facts.has_enters {
+                ui.add(Slider::new(&mut settings.penumbra_deg, 0.0..=5.0).text("sun's width, degrees"));
+            }
+            ui.checkbox(&mut settings.has_top_grid, "top grid");
+        }
+        Technique::Maps => {
+            ui.add(Slider::new(&mut settings.cascades, 1..=8).text("maps"));
+        }
+        Technique::None => {}
+    }
+    ui.checkbox(&mut settings.is_clustered, "clustered lists of lamps");
+}
+
+fn light(ui: &mut Ui, settings: &mut Settings) {
+    choose(
+        ui,
+        "time",
+        &mut settings.time,
+        &[(None, "as suits"), (Some(Time::Day), "day"), (Some(Time::Night), "night")],
+    );
+    ui.add(Slider::new(&mut settings.sun_deg[0], 0.0..=360.0).text("sun's azimuth"));
+    ui.add(Slider::new(&mut settings.sun_deg[1], 2.0..=90.0).text("elevation"));
+    ui.add(Slider::new(&mut settings.exposure_stops, -4.0..=4.0).text("exposure"));
+    ui.add(Slider::new(&mut settings.fog_per_m, 0.0..=0.05).logarithmic(true).smallest_positive(1e-5).text("fog"));
+    ui.add(Slider::new(&mut settings.samples, 1..=8).text("samples"));
+}
+
+fn cameras(ui: &mut Ui, facts: &Facts<'_>, wishes: &mut Wishes) {
+    ui.horizontal_wrapped(|ui| {
+        for (i, camera) in facts.cameras.iter().enumerate() {
+            if ui.button(&camera.name).clicked() {
+                wishes.camera = Some(i);
+            }
+        }
+        wishes.screenshot = ui.button("screenshot (F12)").clicked();
+    });
+    ui.small(format!("W A S D Q E fly at {:.1} m/s (wheel), shift faster, drag to look", facts.speed));
+}
+
+fn figures(ui: &mut Ui, facts: &Facts<'_>, history: &History) {
+    ui.label(format!("{:.1} ms a frame", facts.frame_ms));
+    if let Some(bytes) = facts.bake_bytes {
+        ui.label(format!("bake: {:.1} MB", bytes as f64 * 1e-6));
+    }
+    if facts.lights_per_pixel > 0.0 {
+        ui.label(format!("{:.1} lamps per pixel", facts.lights_per_pixel));
+    }
+    plot(ui, history);
+    for (i, name) in history.names().iter().enumerate() {
+        ui.colored_label(color(i), format!("{name}: {:.2} ms", history.mean_ms(name)));
+    }
+    ui.small(facts.card);
+}
+
+fn color(i: usize) -> Color32 {
+    const COLORS: [Color32; 8] = [
+        Color32::from_rgb(86, 180, 233),
+        Color32::from_rgb(230, 159, 0),
+        Color32::from_rgb(0, 158, 115),
+        Color32::from_rgb(240, 228, 66),
+        Color32::from_rgb(204, 121, 167),
+        Color32::from_rgb(213, 94, 0),
+        Color32::from_rgb(120, 140, 240),
+        Color32::from_rgb(180, 180, 180),
+    ];
+    COLORS[i % COLORS.len()]
+}
+
+/// One line for each pass, over the last frames.
+fn plot(ui: &mut Ui, history: &History) {
+    let (area, painter) = ui.allocate_painter(Vec2::new(ui.available_width(), 90.0), Sense::hover());
+    let rect = area.rect;
+    painter.rect_filled(rect, 2.0, Color32::from_black_alpha(90));
+    let names = history.names();
+    let most = history.frames.iter().flatten().map(|time| time.ms).fold(1e-3, f64::max);
+    for (i, name) in names.iter().enumerate() {
+        let at = |(x, frame): (usize, &Vec<PassTime>)| {
+            let share = (x as f32 / (KEPT - 1) as f32, (History::ms(frame, name) / most) as f32);
+            Pos2::new(rect.left() + rect.width() * share.0, rect.bottom() - rect.height() * share.1)
+        };
+        let points: Vec<Pos2> = history.frames.iter().enumerate().map(at).collect();
+        painter.line(points, Stroke::new(1.5, color(i)));
+    }
+    painter.text(
+        rect.left_top() + Vec2::new(4.0, 2.0),
+        egui::Align2::LEFT_TOP,
+        format!("{most:.1} ms"),
+        egui::FontId::proportional(10.0),
+        Color32::GRAY,
+    );
+}

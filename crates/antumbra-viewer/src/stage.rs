@@ -1,0 +1,136 @@
+//! A scene with its lights and bake on the graphics card.
+
+use std::sync::Arc;
+
+use antumbra::ShadowFile;
+use antumbra_bake::light_space::Resolution;
+use antumbra_bake::{BakeOptions, ResolutionRequest};
+use antumbra_render::gpu::{Gpu, GpuRenderer, LampLists, Setting};
+use antumbra_render::{RenderError, Renderer, Time};
+use antumbra_scene::{Camera, Light, Scene};
+
+use crate::rebuild::Rebuild;
+use crate::settings::{Settings, Technique};
+
+/// What is drawn.
+pub(crate) struct Stage {
+    pub renderer: GpuRenderer,
+    pub scene: Arc<Scene>,
+    /// The newest bake, and the lights that it is of.
+    pub bake: Option<(Arc<ShadowFile>, Vec<Light>)>,
+    pub rebuild: Rebuild,
+    /// What the card shows now, and what bakes are wanted for.
+    lit_by: LitBy,
+    wanted: Vec<Light>,
+    exposure: f32,
+}
+
+/// What decides the light on the card.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct LitBy {
+    time: Option<Time>,
+    top_grid: bool,
+    is_baked: bool,
+    /// Directions and names of the lights, and which bake.
+    lights: Vec<(String, [u64; 3])>,
+    bake: usize,
+}
+
+fn key(lights: &[Light]) -> Vec<(String, [u64; 3])> {
+    lights.iter().map(|light| (light.name.clone(), light.direction_world.to_array().map(f64::to_bits))).collect()
+}
+
+impl Stage {
+    /// A scene; without a bake its lights are baked in the background.
+    pub fn new(
+        gpu: &Gpu,
+        scene: Scene,
+        bake: Option<ShadowFile>,
+        resolution: u32,
+        settings: &Settings,
+    ) -> Result<Self, RenderError> {
+        let scene = Arc::new(scene);
+        let resolution = Resolution::new(resolution).map_or(ResolutionRequest::Default, ResolutionRequest::Texels);
+        let options = BakeOptions { resolution, levels: true, enter_depths: true, ..BakeOptions::default() };
+        let rebuild = Rebuild::new(Arc::clone(&scene), options);
+        let lights = settings.lights(&scene.lights);
+        if bake.is_none() {
+            rebuild.start(lights.clone());
+        }
+        let setting = Setting { lights: lights.clone(), time: settings.time, bake: None, top_grid: true, rays: None };
+        Ok(Self {
+            renderer: GpuRenderer::new(gpu, Arc::clone(&scene), setting)?,
+            bake: bake.map(|file| (Arc::new(file), lights.clone())),
+            rebuild,
+            lit_by: LitBy::default(),
+            wanted: lights,
+            exposure: 1.0,
+            scene,
+        })
+    }
+
+    /// Draws a frame as the settings say.
+    pub fn frame(&mut self, camera: &Camera, size: [u32; 2], settings: &Settings) -> Result<(), RenderError> {
+        self.follow(settings)?;
+        let file = self.bake.as_ref().map(|(file, _)| Arc::clone(file));
+        self.renderer.lamp_lists = if settings.is_clustered { LampLists::Clustered } else { LampLists::Tiled };
+        self.renderer.fog = settings.fog();
+        let exposure = self.exposure * settings.exposure_stops.exp2();
+        self.renderer.frame(camera, size, settings.samples, settings.lookup(file.as_deref()), exposure)
+    }
+
+    /// Eases the exposure towards what suits the last frame: all the way at once, or by a share.
+    pub fn expose(&mut self, share: f32) -> Result<(), RenderError> {
+        let suitable = self.renderer.suitable_exposure()?;
+        if suitable.is_finite() && suitable > 0.0 {
+            self.exposure *= (suitable / self.exposure).powf(share);
+        }
+        Ok(())
+    }
+
+    /// Takes a bake as the scene's own.
+    pub fn take_bake(&mut self, file: ShadowFile) {
+        self.bake = Some((Arc::new(file), self.wanted.clone()));
+    }
+
+    /// Bakes that are done replace older ones; `Err` says why one failed.
+    pub fn swap_in(&mut self) -> Result<(), String> {
+        match self.rebuild.take() {
+            Some(Ok(rebuilt)) => self.bake = Some((Arc::new(rebuilt.file), rebuilt.lights)),
+            Some(Err(reason)) => return Err(reason),
+            None => {}
+        }
+        Ok(())
+    }
+
+    /// Lights the scene by what is chosen. A sun that was dragged is baked anew, and stays where it was until that is done;
+    /// shadow maps follow at once.
+    fn follow(&mut self, settings: &Settings) -> Result<(), RenderError> {
+        let lights = settings.lights(&self.scene.lights);
+        if key(&lights) != key(&self.wanted) {
+            self.wanted.clone_from(&lights);
+            self.rebuild.start(lights.clone());
+        }
+        let (bake, lights) = match &self.bake {
+            Some((file, baked)) if settings.technique == Technique::Baked => (Some(Arc::clone(file)), baked.clone()),
+            _ => (None, lights),
+        };
+        let lit_by = LitBy {
+            time: settings.time,
+            top_grid: settings.has_top_grid,
+            is_baked: bake.is_some(),
+            lights: key(&lights),
+            bake: bake.as_ref().map_or(0, |file| Arc::as_ptr(file) as usize),
+        };
+        if lit_by == self.lit_by {
+            return Ok(());
+        }
+        let night = settings.time.unwrap_or_else(|| Time::suiting(&lights)) == Time::Night;
+        let rays = night.then(|| Renderer::new(&self.scene));
+        let setting =
+            Setting { lights, time: settings.time, bake, top_grid: settings.has_top_grid, rays: rays.as_ref() };
+        self.renderer.relight(setting)?;
+        self.lit_by = lit_by;
+        Ok(())
+    }
+}
