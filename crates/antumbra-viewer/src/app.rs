@@ -24,10 +24,10 @@ use crate::{Closed, ViewError, ViewOptions};
 
 /// Opens the window and runs until it is closed.
 pub(crate) fn run(options: ViewOptions) -> Result<Closed, ViewError> {
-    let events = EventLoop::new().map_err(|error| ViewError::NoDisplay(error.to_string()))?;
+    let events = EventLoop::new().map_err(|_| ViewError::NoDisplay)?;
     events.set_control_flow(ControlFlow::Poll);
     let mut app = App::new(options)?;
-    events.run_app(&mut app).map_err(|error| ViewError::NoDisplay(error.to_string()))?;
+    events.run_app(&mut app).map_err(|error| ViewError::Window(error.to_string()))?;
     match app.failed {
         Some(error) => Err(error),
         None => Ok(app.clock.closed()),
@@ -120,7 +120,7 @@ impl App {
                     .with_title(format!("Antumbra: {}", self.scene.name))
                     .with_inner_size(PhysicalSize::new(width, height));
                 let made = events.create_window(attributes);
-                Arc::new(made.map_err(|error| ViewError::NoDisplay(error.to_string()))?)
+                Arc::new(made.map_err(|error| ViewError::Window(error.to_string()))?)
             }
         };
         let screen = Screen::new(window)?;

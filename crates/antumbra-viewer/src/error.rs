@@ -9,8 +9,11 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum ViewError {
     /// There is no display to open a window on.
-    #[error("no window can be opened ({0}): run it where there is a display, or draw a picture with `antumbra render`")]
-    NoDisplay(String),
+    #[error("there is no display to open a window on: run it on one, or draw a picture with `antumbra render`")]
+    NoDisplay,
+    /// The display opens no window.
+    #[error("the display opens no window: {0}")]
+    Window(String),
     /// The picture cannot be drawn.
     #[error(transparent)]
     Render(#[from] antumbra_render::RenderError),

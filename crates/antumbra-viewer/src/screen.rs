@@ -121,7 +121,7 @@ impl Screen {
         let Self { gpu, config, context, painter, .. } = self;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         renderer.blit(&mut encoder, view, config.format);
-        let egui::FullOutput { textures_delta, shapes, pixels_per_point, .. } = painted.output;
+        let egui::FullOutput { mut textures_delta, shapes, pixels_per_point, .. } = painted.output;
         for (id, deltas) in &textures_delta.set {
             deltas.iter().for_each(|delta| painter.update_texture(&gpu.device, &gpu.queue, *id, delta));
         }
@@ -142,12 +142,16 @@ impl Screen {
         commands.push(encoder.finish());
         gpu.queue.submit(commands);
         textures_delta.free.iter().for_each(|id| painter.free_texture(id));
+        textures_delta.clear();
     }
 
     /// Keeps the panel's textures, though nothing is shown.
-    fn forget(&mut self, painted: Painted) {
-        for (id, deltas) in &painted.output.textures_delta.set {
+    fn forget(&mut self, mut painted: Painted) {
+        let delta = &mut painted.output.textures_delta;
+        for (id, deltas) in &delta.set {
             deltas.iter().for_each(|delta| self.painter.update_texture(&self.gpu.device, &self.gpu.queue, *id, delta));
         }
+        delta.free.iter().for_each(|id| self.painter.free_texture(id));
+        delta.clear();
     }
 }
