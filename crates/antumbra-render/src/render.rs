@@ -54,7 +54,11 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    pub(crate) fn check(&self) -> Result<(), RenderError> {
+    /// Whether a picture can be made so.
+    ///
+    /// # Errors
+    /// [`RenderError`], which names the option that makes no sense.
+    pub fn check(&self) -> Result<(), RenderError> {
         within("samples", self.samples, 1, 1024)?;
         within("ao_samples", self.ao_samples, 0, 4096)?;
         self.fog.map_or(Ok(()), |fog| fog.check())?;

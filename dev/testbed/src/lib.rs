@@ -1,11 +1,14 @@
 //! What tests over the whole of Antumbra share: scenes with their bakes, and the graphics card.
 
-use antumbra::ShadowFile;
+pub mod query;
+
+use antumbra::{LightShadow, ShadowFile};
 use antumbra_bake::light_space::Resolution;
 use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, bake};
 use antumbra_render::gpu::Gpu;
 use antumbra_scene::procedural::{self, Options};
 use antumbra_scene::{Light, LightKind, Scene};
+use glam::UVec3;
 
 /// The graphics card. Tests of what runs there need one: a software one will do.
 ///
@@ -78,4 +81,22 @@ impl Random {
     pub fn unit(&mut self) -> f64 {
         f64::from(self.bits()) / f64::from(u32::MAX)
     }
+}
+
+/// A voxel that often lies where something is: near a transition along its ray.
+#[must_use]
+pub fn voxel(random: &mut Random, light: LightShadow<'_>, face: usize) -> UVec3 {
+    let side = light.record().resolution();
+    let [x, y] = [random.below(side), random.below(side)];
+    let is_lit = |z: u32| light.is_lit(face, [x, y, z]);
+    if random.below(4) == 0 || is_lit(side - 1) {
+        return UVec3::new(x, y, random.below(side));
+    }
+    // The first shadowed slice: rays are lit up to some slice and shadowed from there on.
+    let (mut lit, mut dark) = (0, side - 1);
+    while dark - lit > 1 {
+        let middle = lit.midpoint(dark);
+        if is_lit(middle) { lit = middle } else { dark = middle }
+    }
+    UVec3::new(x, y, (dark + random.below(9)).saturating_sub(4).min(side - 1))
 }

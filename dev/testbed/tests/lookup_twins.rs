@@ -1,15 +1,13 @@
 //! The lookups in WGSL give what the CPU's give: bit for bit from whole voxel coordinates on, and to a voxel's rounding from
 //! positions.
 
-mod query;
-
 use std::sync::LazyLock;
 
 use antumbra::shaders::Lookup;
 use antumbra::{FacePoint, Filter, Kernel, LightShadow, Prefilter, ShadowFile};
-use antumbra_testbed::{Random, baked, first_lights, gpu, procedural};
+use antumbra_testbed::query::{Answer, Card, Op, Query};
+use antumbra_testbed::{Random, baked, first_lights, gpu, procedural, voxel};
 use glam::{DVec3, IVec3, UVec3};
-use query::{Answer, Card, Op, Query};
 
 /// A village with a sun, a few spot lights and point lights, and a city whose pool is large.
 static FILES: LazyLock<[ShadowFile; 3]> = LazyLock::new(|| {
@@ -21,23 +19,6 @@ static FILES: LazyLock<[ShadowFile; 3]> = LazyLock::new(|| {
         baked(&city, &first_lights(&city, [1, 0, 0]), 16384),
     ]
 });
-
-/// A voxel that often lies where something is: near a transition along its ray.
-fn voxel(random: &mut Random, light: LightShadow<'_>, face: usize) -> UVec3 {
-    let side = light.record().resolution();
-    let [x, y] = [random.below(side), random.below(side)];
-    let is_lit = |z: u32| light.is_lit(face, [x, y, z]);
-    if random.below(4) == 0 || is_lit(side - 1) {
-        return UVec3::new(x, y, random.below(side));
-    }
-    // The first shadowed slice: rays are lit up to some slice and shadowed from there on.
-    let (mut lit, mut dark) = (0, side - 1);
-    while dark - lit > 1 {
-        let middle = lit.midpoint(dark);
-        if is_lit(middle) { lit = middle } else { dark = middle }
-    }
-    UVec3::new(x, y, (dark + random.below(9)).saturating_sub(4).min(side - 1))
-}
 
 /// Calls `each` for every light and face of every file, with what a card makes of it.
 fn for_each_face(lookup: Lookup, mut each: impl FnMut(&Card<'_>, LightShadow<'_>, usize, &mut Random)) {

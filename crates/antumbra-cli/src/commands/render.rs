@@ -153,6 +153,7 @@ pub fn run(args: &Args) -> Result<()> {
         fog: args.fog.map(|density_per_m| Fog { density_per_m, anisotropy: 0.5 }),
         ..RenderOptions::default()
     };
+    options.check()?;
     let picture = args.run.pool()?.install(|| match args.device {
         Device::Gpu => draw_on_gpu(scene, &camera, &options, shadows, file.clone(), &progress),
         Device::Auto | Device::Cpu => draw(&scene, &camera, &options, shadows, &progress),

@@ -9,3 +9,4 @@ mod pictures;
 mod querying;
 mod stage;
 mod usage;
+mod viewing;
