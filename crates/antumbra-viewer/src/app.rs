@@ -48,7 +48,8 @@ struct App {
     is_dragging: bool,
     pointer: Option<[f64; 2]>,
     history: History,
-    message: Option<String>,
+    /// What to tell the user, and whether it is something that went wrong.
+    message: Option<(String, bool)>,
     lights_per_pixel: f64,
     clock: Clock,
     wants_screenshot: bool,
@@ -168,7 +169,7 @@ impl App {
         }
         if let Some(path) = shot {
             screen.screenshot(&mut stage.renderer, painted, &path)?;
-            self.message = Some(format!("saved {}", path.display()));
+            self.message = Some((format!("saved {}", path.display()), false));
         } else {
             screen.present(&mut stage.renderer, painted);
         }
@@ -181,7 +182,7 @@ impl App {
         if self.steps.is_some() {
             return Err(error);
         }
-        self.message = Some(error.to_string());
+        self.message = Some((error.to_string(), true));
         Ok(())
     }
 
@@ -242,7 +243,7 @@ impl App {
             has_enters: bake.is_some_and(|file| file.has_enter_depths()),
             card: &card,
             state: state.as_deref(),
-            message: self.message.as_deref(),
+            message: self.message.as_ref().map(|(words, is_bad)| (&words[..], *is_bad)),
             cameras: &self.scene.cameras,
             lights_per_pixel: self.lights_per_pixel,
             frame_ms: self.clock.frame_ms,
@@ -326,7 +327,7 @@ impl ApplicationHandler for App {
                     events.exit();
                 }
             }
-            WindowEvent::DroppedFile(path) => self.message = self.drop_file(path).err(),
+            WindowEvent::DroppedFile(path) => self.message = self.drop_file(path).err().map(|words| (words, true)),
             _ => self.act(&event, over_panel),
         }
     }

@@ -21,7 +21,8 @@ pub(crate) struct Facts<'a> {
     pub card: &'a str,
     /// What goes on in the background.
     pub state: Option<&'a str>,
-    pub message: Option<&'a str>,
+    /// What to tell the user, and whether it is something that went wrong.
+    pub message: Option<(&'a str, bool)>,
     pub cameras: &'a [Camera],
     pub lights_per_pixel: f64,
     pub frame_ms: f64,
@@ -81,8 +82,10 @@ pub(crate) fn show(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>, hist
                     ui.label(state);
                 });
             }
-            if let Some(message) = facts.message {
-                ui.colored_label(Color32::from_rgb(240, 120, 90), message);
+            match facts.message {
+                Some((message, true)) => drop(ui.colored_label(Color32::from_rgb(240, 120, 90), message)),
+                Some((message, false)) => drop(ui.label(message)),
+                None => {}
             }
             ui.separator();
             shadows(ui, settings, facts);
@@ -167,24 +170,27 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, history: &History) {
         ui.label(format!("{:.1} lamps per pixel", facts.lights_per_pixel));
     }
     plot(ui, history);
-    for (i, name) in history.names().iter().enumerate() {
-        ui.colored_label(color(i), format!("{name}: {:.2} ms", history.mean_ms(name)));
+    for name in history.names() {
+        ui.colored_label(color(name), format!("{name}: {:.2} ms", history.mean_ms(name)));
     }
     ui.small(facts.card);
 }
 
-fn color(i: usize) -> Color32 {
-    const COLORS: [Color32; 8] = [
-        Color32::from_rgb(86, 180, 233),
-        Color32::from_rgb(230, 159, 0),
-        Color32::from_rgb(0, 158, 115),
-        Color32::from_rgb(240, 228, 66),
-        Color32::from_rgb(204, 121, 167),
-        Color32::from_rgb(213, 94, 0),
-        Color32::from_rgb(120, 140, 240),
-        Color32::from_rgb(180, 180, 180),
+/// A pass keeps its colour, whichever others there are.
+fn color(name: &str) -> Color32 {
+    const COLORS: [(&str, Color32); 10] = [
+        ("raster", Color32::from_rgb(86, 180, 233)),
+        ("resolve", Color32::from_rgb(0, 114, 178)),
+        ("sun shadows", Color32::from_rgb(240, 228, 66)),
+        ("shadow maps", Color32::from_rgb(230, 159, 0)),
+        ("fog", Color32::from_rgb(180, 200, 220)),
+        ("shading", Color32::from_rgb(213, 94, 0)),
+        ("tile boxes", Color32::from_rgb(140, 140, 140)),
+        ("light lists", Color32::from_rgb(204, 121, 167)),
+        ("lamps", Color32::from_rgb(0, 200, 140)),
+        ("tone mapping", Color32::from_rgb(200, 200, 200)),
     ];
-    COLORS[i % COLORS.len()]
+    COLORS.iter().find(|(known, _)| *known == name).map_or(Color32::WHITE, |(_, color)| *color)
 }
 
 /// One line for each pass, over the last frames.
@@ -194,13 +200,13 @@ fn plot(ui: &mut Ui, history: &History) {
     painter.rect_filled(rect, 2.0, Color32::from_black_alpha(90));
     let names = history.names();
     let most = history.frames.iter().flatten().map(|time| time.ms).fold(1e-3, f64::max);
-    for (i, name) in names.iter().enumerate() {
+    for name in names {
         let at = |(x, frame): (usize, &Vec<PassTime>)| {
             let share = (x as f32 / (KEPT - 1) as f32, (History::ms(frame, name) / most) as f32);
             Pos2::new(rect.left() + rect.width() * share.0, rect.bottom() - rect.height() * share.1)
         };
         let points: Vec<Pos2> = history.frames.iter().enumerate().map(at).collect();
-        painter.line(points, Stroke::new(1.5, color(i)));
+        painter.line(points, Stroke::new(1.5, color(name)));
     }
     painter.text(
         rect.left_top() + Vec2::new(4.0, 2.0),

@@ -7,6 +7,7 @@ use antumbra::{FacePoint, ShadowFile};
 use glam::{DVec3, Vec4};
 use wgpu::util::DeviceExt;
 
+/// Letters of a row, and rows.
 const COLUMNS: usize = 100;
 const ROWS: usize = 40;
 
@@ -61,11 +62,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // The lookups' text before the shader's own, in a bind group of their own.
     let lookup = Lookup { group: 1, pages: pool.len() as u32, log2_page_words, ..Lookup::default() };
-    let text = source(&lookup) + SHADER;
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(text.into()),
-    });
+    let source = wgpu::ShaderSource::Wgsl((source(&lookup) + SHADER).into());
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
         layout: None,
@@ -75,15 +73,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         cache: None,
     });
     let group = |index: u32, buffers: &[wgpu::Buffer]| {
-        let entry = |(i, b): (usize, &wgpu::Buffer)| (i as u32, b.clone());
-        let buffers: Vec<_> = buffers.iter().enumerate().map(entry).collect();
-        let entries =
-            buffers.iter().map(|(i, b)| wgpu::BindGroupEntry { binding: *i, resource: b.as_entire_binding() });
-        let (layout, entries) = (pipeline.get_bind_group_layout(index), entries.collect::<Vec<_>>());
+        let entry = |(i, b)| wgpu::BindGroupEntry { binding: i, resource: wgpu::Buffer::as_entire_binding(b) };
+        let entries: Vec<_> = (0..).zip(buffers).map(entry).collect();
+        let layout = pipeline.get_bind_group_layout(index);
         device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries })
     };
     let (own, lookups) = (group(0, &own), group(1, &lookups));
-
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());
     pass.set_pipeline(&pipeline);
