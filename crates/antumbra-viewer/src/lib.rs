@@ -7,8 +7,8 @@
 //! # Ok(()) }
 //! ```
 //!
-//! A frame goes through [`app`] (what the user did), [`stage`] (scene, lights and bake on the graphics card) and [`screen`] (the
-//! window's surface, and [`panel`] over the picture). [`rebuild`] bakes in the background, [`script`] replays a camera's way.
+//! A frame goes through `app` (what the user did), `stage` (scene, lights and bake on the graphics card) and `screen` (the
+//! window's surface, and `panel` over the picture). `rebuild` bakes in the background, [`script`] replays a camera's way.
 
 mod app;
 mod error;

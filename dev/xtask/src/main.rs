@@ -3,7 +3,7 @@
 mod driver;
 mod edges;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
@@ -54,46 +54,79 @@ fn bless() -> Result<()> {
     run(Command::new("cargo").args(golden).env("ANTUMBRA_BLESS", "1"))
 }
 
-/// From under the trees.
-const GROVE: &[&str] = &["--eye=7,5,10", "--target=-9,6,-9", "--fov", "60", "--filter", "3"];
+/// A picture of the README.
+struct Shot {
+    name: &'static str,
+    /// A file, or a procedural scene with its options.
+    scene: &'static str,
+    /// Options of the bake, and of the picture.
+    bake: &'static str,
+    render: &'static str,
+}
 
-/// Name, scene, size, and further words for `antumbra render`; the shadows are baked first.
-const PICTURES: [(&str, &str, &str, &[&str]); 11] = [
-    ("city", "city", "960x540", &["--camera", "overview", "--filter", "3"]),
-    ("city-rooftops", "city", "480x270", &["--camera", "rooftops", "--filter", "3"]),
-    ("landscape", "landscape", "480x270", &["--camera", "overview", "--filter", "3"]),
-    ("delft", "../shared/scenes/delft.glb", "480x270", &["--filter", "3"]),
-    ("colosseum", "../shared/scenes/colosseum.glb", "480x270", &["--filter", "3"]),
-    ("kaykit-city", "../shared/scenes/kaykit-city.glb", "480x270", &["--day", "--filter", "3"]),
-    (
+const fn shot(name: &'static str, scene: &'static str, bake: &'static str, render: &'static str) -> Shot {
+    Shot { name, scene, bake, render }
+}
+
+const LAMPS: &str = "city --scale 0.25 --lamps 165";
+/// Towers, far away.
+const FAR: &str = "--size 480x270 --eye 700,220,600 --target 60,40,0 --fov 14 --device gpu";
+
+const FAR_MAPS: &str = "--size 480x270 --eye 700,220,600 --target 60,40,0 --fov 14 --device gpu --technique csm";
+
+/// Those with `--device gpu` are drawn on the graphics card, the others with gathered light.
+const PICTURES: [Shot; 16] = [
+    shot("city", "city", "", "--size 960x540 --camera overview --filter 3"),
+    shot("city-rooftops", "city", "", "--size 480x270 --camera rooftops --filter 3"),
+    shot("landscape", "landscape", "", "--size 480x270 --camera overview --filter 3"),
+    shot("delft", "../shared/scenes/delft.glb", "", "--size 480x270 --filter 3"),
+    shot("colosseum", "../shared/scenes/colosseum.glb", "", "--size 480x270 --filter 3"),
+    shot("kaykit-city", "../shared/scenes/kaykit-city.glb", "", "--size 480x270 --day --filter 3"),
+    shot(
         "kaykit-city-night",
         "../shared/scenes/kaykit-city.glb",
-        "480x270",
-        &["--night", "--filter", "5", "--kernel", "tent"],
+        "",
+        "--size 480x270 --night --filter 5 --kernel tent",
     ),
-    ("village", "village", "960x540", &["--camera", "overview", "--filter", "5", "--kernel", "tent"]),
-    ("village-street", "village", "480x270", &["--camera", "street", "--filter", "5", "--kernel", "tent"]),
-    ("ruins", "ruins", "480x270", &["--camera", "nave", "--filter", "3"]),
-    ("grove", "../shared/scenes/grove.glb", "480x270", GROVE),
+    shot("village", "village", "", "--size 960x540 --camera overview --filter 5 --kernel tent"),
+    shot("village-street", "village", "", "--size 480x270 --camera street --filter 5 --kernel tent"),
+    shot("ruins", "ruins", "", "--size 480x270 --camera nave --filter 3"),
+    shot("grove", "../shared/scenes/grove.glb", "", "--size 480x270 --eye=7,5,10 --target=-9,6,-9 --fov 60 --filter 3"),
+    shot(
+        "lamps",
+        LAMPS,
+        "--resolution 4096",
+        "--size 960x540 --night --camera overview --filter 9 --kernel tent --device gpu",
+    ),
+    shot("shafts", "city", "--sun 5,16", "--size 960x540 --camera skyline --fog 0.0015 --device gpu"),
+    shot("shafts-street", "city", "--sun 5,16", "--size 480x270 --camera street --fog 0.004 --device gpu"),
+    shot("far-csm", "city", "", FAR_MAPS),
+    shot("far-dag", "city", "", FAR),
 ];
 
 fn pictures() -> Result<()> {
     let scratch = Path::new("target").join("pictures");
     std::fs::create_dir_all(&scratch).context("cannot make target/pictures")?;
-    for (name, scene, size, words) in PICTURES {
-        let mut file = scene.to_owned();
-        if !scene.ends_with(".glb") {
-            file = scratch.join(format!("{scene}.glb")).display().to_string();
-            antumbra(&["scene", scene, "-o", &file])?;
-        } else if !Path::new(scene).exists() {
+    for Shot { name, scene, bake, render } in PICTURES {
+        let words = |text: &'static str| text.split_whitespace();
+        let file = if scene.ends_with(".glb") {
+            PathBuf::from(scene)
+        } else {
+            let file = scratch.join(format!("{}.glb", scene.replace([' ', '.'], "-")));
+            let out = file.display().to_string();
+            antumbra(&[&["scene"], &words(scene).collect::<Vec<_>>()[..], &["-o", &out]].concat())?;
+            file
+        };
+        if !file.exists() {
             println!("{scene} is not there: {name}.png stays as it is");
             continue;
         }
+        let file = file.display().to_string();
         let shadows = scratch.join(format!("{name}.antumbra")).display().to_string();
-        antumbra(&["bake", &file, "-o", &shadows])?;
+        antumbra(&[&["bake", &file, "-o", &shadows], &words(bake).collect::<Vec<_>>()[..]].concat())?;
         let picture = format!("docs/figures/{name}.png");
-        let render = ["render", &file, "--shadows", &shadows, "--size", size, "-o", &picture];
-        antumbra(&[&render, words].concat())?;
+        let draw = ["render", &file, "--shadows", &shadows, "-o", &picture];
+        antumbra(&[&draw, &words(render).collect::<Vec<_>>()[..]].concat())?;
     }
     Ok(())
 }

@@ -151,6 +151,7 @@ pixels and colours, of 255: against a traced shadow at the same point of each pi
         summary: Row::new(),
         plots: vec![plot],
         images,
+        gpu: Some(gpu.name()),
     })
 }
 

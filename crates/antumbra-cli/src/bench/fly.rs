@@ -70,14 +70,14 @@ const COLUMNS: &[Column<'_>] = &[
     ("lights_per_pixel", "lights per pixel", Shown::Decimal),
 ];
 
-/// Flies and gives a section, its rows for scripts, and a plot of the frames.
+/// Flies and gives a section, its rows for scripts, a plot of the frames, and the card's name.
 pub fn run(
     name: &str,
     scene: Scene,
     resolution: Resolution,
     flight: Flight,
     progress: &Progress,
-) -> Result<(Section, Vec<Row>, Plot)> {
+) -> Result<(Section, Vec<Row>, Plot, String)> {
     progress.stage("opening the graphics card");
     let gpu = Gpu::open()?;
     let size = flight.size.unwrap_or(if gpu.is_software() { [640, 360] } else { [1920, 1080] });
@@ -129,7 +129,7 @@ lights visible, shadows the rest of it. Kämpe et al. 2015, figure 4: 165 lights
     });
     let rows = rows.collect();
     let plot = plot(name, &measured[0])?;
-    Ok((section, rows, plot))
+    Ok((section, rows, plot, gpu.name()))
 }
 
 /// Draws a frame twice: with shadows, and without, which tells one from the other.

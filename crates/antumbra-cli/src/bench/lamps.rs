@@ -81,6 +81,7 @@ pub fn run(
         summary: result.summary(),
         plots: vec![result.plot()?],
         images: Vec::new(),
+        gpu: None,
     })
 }
 

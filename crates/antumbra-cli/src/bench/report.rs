@@ -26,6 +26,8 @@ pub struct Report {
     pub summary: Row,
     pub plots: Vec<Plot>,
     pub images: Vec<Image>,
+    /// The graphics card that figures come from, where one was used.
+    pub gpu: Option<String>,
 }
 
 /// A picture to be written beside the table.
@@ -56,7 +58,10 @@ impl OutputArgs {
 
     /// Writes the table's files, if there is a folder for them, and prints the table.
     pub fn publish(&self, report: &Report) -> Result<()> {
-        let machine = machine::describe();
+        let mut machine = machine::describe();
+        if let Some(gpu) = &report.gpu {
+            machine["gpu"] = gpu.as_str().into();
+        }
         let (json, text) = (report.json(&machine), report.markdown(&machine));
         if let Some(folder) = &self.out {
             write(folder, &format!("{}.md", report.table), text.as_bytes())?;

@@ -57,7 +57,7 @@ impl Timer {
         self.times.clear();
     }
 
-    /// Waits for the frame and reads its passes' times, in order; passes of one name in a row add up.
+    /// Waits for the frame and reads its passes' times, in order; those of one name add up.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<PassTime>, RenderError> {
         let mut times = self.times.clone();
         if let Clock::Card(queries) = &self.clock {
@@ -70,8 +70,8 @@ impl Timer {
         }
         let mut summed: Vec<PassTime> = Vec::new();
         for time in times {
-            match summed.last_mut().filter(|last| last.name == time.name) {
-                Some(last) => last.ms += time.ms,
+            match summed.iter_mut().find(|known| known.name == time.name) {
+                Some(known) => known.ms += time.ms,
                 None => summed.push(time),
             }
         }

@@ -136,6 +136,7 @@ pub fn run(subjects: &[Subject], wish: &Wish, progress: &Progress) -> Result<Rep
         summary: Row::new(),
         plots,
         images: Vec::new(),
+        gpu: None,
     })
 }
 

@@ -68,5 +68,6 @@ pub fn run(workshop: &Workshop, subjects: &[Subject], wish: &Wish, progress: &Pr
         summary: Row::new(),
         plots: plots::plots(&measured, wish)?,
         images: Vec::new(),
+        gpu: None,
     })
 }

@@ -58,10 +58,12 @@ pub fn run(args: &Args) -> Result<()> {
     if args.frames > 0 {
         let flight = Flight { frames: args.frames as usize, size: args.size };
         let fly = || fly::run(&subject.name, scene, args.resolution, flight, &progress);
-        let (section, rows, plot) = args.run.pool()?.install(fly).context("no flight (--frames 0 leaves it out)")?;
+        let (section, rows, plot, gpu) =
+            args.run.pool()?.install(fly).context("no flight (--frames 0 leaves it out)")?;
         report.sections.push(section);
         report.rows.extend(rows);
         report.plots.push(plot);
+        report.gpu = Some(gpu);
     }
     drop(progress);
     args.output.publish(&report)
