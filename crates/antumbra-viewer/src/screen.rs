@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use antumbra_render::gpu::{Gpu, GpuRenderer};
+use antumbra_render::RenderError;
+use antumbra_render::gpu::{ADVICE, Gpu, GpuRenderer};
 use egui_wgpu::{RendererOptions, ScreenDescriptor};
 use winit::window::Window;
 
@@ -29,8 +30,10 @@ impl Screen {
     /// Opens the graphics card that can draw in a window.
     pub fn new(window: Arc<Window>) -> Result<Self, ViewError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle().with_env());
-        let no_surface = |error: wgpu::CreateSurfaceError| ViewError::Surface(error.to_string());
-        let surface = instance.create_surface(Arc::clone(&window)).map_err(no_surface)?;
+        // Without any driver there is no surface either.
+        let no_driver =
+            |error: wgpu::CreateSurfaceError| RenderError::NoGpu { reason: error.to_string(), advice: ADVICE };
+        let surface = instance.create_surface(Arc::clone(&window)).map_err(no_driver)?;
         let gpu = Gpu::open_for(&instance, Some(&surface))?;
         let size = window.inner_size();
         let mut config = surface

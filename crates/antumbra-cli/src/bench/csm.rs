@@ -10,10 +10,11 @@ use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
 use antumbra_render::{Cascades, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
 use antumbra_scene::{Camera, Light, LightKind, Scene};
 use anyhow::{Context, Result, ensure};
+use plotters::style::RGBColor;
 use serde_json::json;
 
 use super::path;
-use super::plot::{Axis, BLUE, Curve, ORANGE, Panel, Plot, file_name};
+use super::plot::{AMBER, Axis, BLUE, Curve, GREY, ORANGE, Panel, Plot, file_name};
 use super::report::{Image, Report};
 use super::section::{Column, Row, Section, Shown, row};
 use crate::progress::Progress;
@@ -232,20 +233,29 @@ fn image(scene: &str, technique: &Technique, picture: &Picture) -> Result<Image>
     Ok(Image { file_name, bytes: picture.to_png()? })
 }
 
+/// Techniques of one kind: a curve of the plot.
+const FAMILIES: [(&str, &str, &[&str], RGBColor); 4] = [
+    ("csm 2 x 2", "csm", &["2x2"], AMBER),
+    ("csm 9 x 9", "csm", &["9x9"], ORANGE),
+    ("dag, taps", "dag", &["1", "3x3", "9x9", "17x17"], BLUE),
+    ("dag, means", "dag", &["mean", "levels"], GREY),
+];
+
 /// Error over time: a point for each technique.
 fn plot(name: &str, techniques: &[Technique], rows: &[Row]) -> Result<Plot> {
-    let curve = |kind: &'static str, color, key: &str| -> Result<Curve> {
-        let own = techniques.iter().zip(rows).filter(|(technique, _)| technique.kind == kind);
+    let curve = |(name, kind, filters, color): (&'static str, &str, &[&str], RGBColor), key: &str| {
+        let own = techniques.iter().zip(rows).filter(|(t, _)| t.kind == kind && filters.contains(&t.filter));
         let point = |(_, row): (&Technique, &Row)| Some((row["ms"].as_f64()?.max(1e-3), row[key].as_f64()?.max(1e-2)));
         let mut points = own.map(point).collect::<Option<Vec<_>>>().context("a row lacks a figure")?;
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(Curve { name: kind, color, points })
+        Ok(Curve { name, color, points })
     };
     let panel = |title: &str, key: &str| -> Result<Panel> {
-        let curves = vec![curve("csm", ORANGE, key)?, curve("dag", BLUE, key)?];
-        let both: Vec<&Curve> = curves.iter().collect();
-        let (x, y) =
-            (Axis::logarithmic("ms", &swapped(&both).iter().collect::<Vec<_>>()), Axis::logarithmic("error", &both));
+        let curves = FAMILIES.into_iter().map(|family| curve(family, key)).collect::<Result<Vec<Curve>>>()?;
+        let all: Vec<&Curve> = curves.iter().collect();
+        let turned = swapped(&all);
+        let x = Axis::logarithmic("ms", &turned.iter().collect::<Vec<_>>());
+        let y = Axis::logarithmic("error", &all);
         Ok(Panel { title: format!("{name}: {title}"), curves: curves.clone(), x, y })
     };
     let panels = [panel("against one traced ray", "rmse")?, panel("against whole pixels", "rmse_pixel")?];

@@ -76,6 +76,22 @@ fn both_devices_draw_the_same_picture() {
     run(folder.path(), &format!("{gpu} --shadows {{b}} --penumbra 50")).fails(&["30 degrees"]);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_driver_it_says_what_to_install() {
+    use crate::folder::{Done, arguments, command};
+
+    let folder = folder();
+    let mut render = command(arguments(folder.path(), "render {city} --shadows {baked} --device gpu -o {p.png}"));
+    let done: Done = render
+        .envs([("VK_DRIVER_FILES", "/no/driver"), ("VK_ICD_FILENAMES", "/no/driver")])
+        .output()
+        .expect("the program runs")
+        .into();
+    done.fails(&["no graphics card", "mesa-vulkan-drivers", "processor"]);
+    assert!(!folder.path().join("p.png").exists());
+}
+
 #[test]
 fn the_demo_shows_everything() {
     let folder = folder();

@@ -21,8 +21,8 @@ pub struct Gpu {
     lost: Arc<AtomicBool>,
 }
 
-/// How to get a Vulkan driver that needs no graphics card, for messages.
-const ADVICE: &str = "install your graphics card's driver, or a software one (Debian and Ubuntu: apt-get install \
+/// How to get a Vulkan driver, with a graphics card or without, for messages.
+pub const ADVICE: &str = "install your graphics card's driver, or a software one (Debian and Ubuntu: apt-get install \
     mesa-vulkan-drivers; Fedora: dnf install mesa-vulkan-drivers)";
 
 impl Gpu {

@@ -13,6 +13,6 @@ mod scene;
 mod targets;
 mod timing;
 
-pub use device::{Gpu, Kernel, Slot};
+pub use device::{ADVICE, Gpu, Kernel, Slot};
 pub use renderer::{GpuRenderer, LampLists, Lookup, Setting};
 pub use timing::PassTime;
