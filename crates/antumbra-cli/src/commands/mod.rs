@@ -34,7 +34,7 @@ pub enum Command {
     Compare(compare::Args),
     /// Draw a picture of a scene
     Render(render::Args),
-    /// The interactive window (comes with a later version)
+    /// The interactive window
     View(view::Args),
     /// Bake again after an edit (comes with a later version)
     Rebuild(rebuild::Args),

@@ -8,21 +8,20 @@ use anyhow::Result;
 
 use crate::{args, inputs, output};
 
-const EXAMPLES: &str = "Examples:
-  antumbra view city.glb
-  antumbra view city.glb --shadows city.antumbra
-
-A script has one step per line; # begins a comment:
+const HELP: &str = "A script has one step per line; # begins a comment:
   wait-bake                 wait for the bake in the background
   set KEY VALUE             technique baked|maps|none, filter K, kernel box|tent, prefilter none|mean|levels,
                             penumbra DEG, cascades N, lists tiled|clustered, time day|night|auto, samples N,
                             fog PER-METRE, sun AZ,EL
   frame X,Y,Z X,Y,Z         draw a frame from an eye, looking at a target; metres
-  screenshot PATH.png       save the window's picture, with its panel";
+  screenshot PATH.png       save the window's picture, with its panel
+
+Example:
+  antumbra view city.glb --shadows city.antumbra";
 
 /// Opens a scene in a window: fly about, drag the sun, switch and time its shadows. Files dropped on it are opened.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = HELP)]
 pub struct Args {
     /// The scene: .glb, .gltf or .obj
     scene: PathBuf,
