@@ -19,19 +19,17 @@ pub(crate) struct Frame {
     pub sample: u32,
     pub samples: u32,
     pub jitter: [f32; 2],
-    pub pixel_size: f32,
     pub footprint: f32,
     pub near: f32,
     pub visible_m: f32,
     pub glow: f32,
     pub suns: u32,
+    pub stars: f32,
     pub towards_sun: [f32; 4],
     pub sun_azimuth: [f32; 4],
     pub plain: [f32; 4],
     pub overhead: [f32; 4],
     pub disc: [f32; 4],
-    pub fill: f32,
-    pub stars: f32,
     pub exposure: f32,
     pub lamps: u32,
     pub radius: u32,
@@ -47,9 +45,7 @@ pub(crate) struct Frame {
     pub fog_per_m: f32,
     pub fog_end_m: f32,
     pub fog_anisotropy: f32,
-    pub pad_0: u32,
-    pub pad_1: u32,
-    pub pad_2: u32,
+    pub pad: u32,
 }
 
 /// Three numbers and a 0.
@@ -69,7 +65,6 @@ impl Frame {
             sample,
             samples,
             jitter: jitter.as_vec2().to_array(),
-            pixel_size: view.pixel_size as f32,
             footprint: (view.pixel_size / f64::from(samples).sqrt()) as f32,
             // Depth is as fine near as far: it may begin right before the eye.
             near: (lighting.diagonal_m * 1e-6).clamp(1e-4, 0.1) as f32,
@@ -81,11 +76,9 @@ impl Frame {
             plain: four(sky.plain),
             overhead: four(sky.overhead),
             disc: four(sky.disc),
-            fill: sky.fill,
             stars: sky.stars,
             exposure: 1.0,
             lamps: lighting.lamps.all().len() as u32,
-            kernel: 0,
             list_words: (lighting.lamps.all().len() as u32).div_ceil(32).max(1),
             ..Self::default()
         }

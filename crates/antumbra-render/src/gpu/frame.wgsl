@@ -13,8 +13,7 @@ struct Frame {
     samples: u32,
     // Where in the pixel it lies.
     jitter: vec2<f32>,
-    // Side of a pixel at distance 1, and of what a sample stands for.
-    pixel_size: f32,
+    // Side of what a sample stands for, at distance 1.
     footprint: f32,
     near: f32,
     // Distance at which haze hides all but 2 % of a surface.
@@ -22,14 +21,13 @@ struct Frame {
     // Radiance of a surface whose material is emissive by 1.
     glow: f32,
     suns: u32,
-    // The sky: radiance as in `sky.wgsl`.
+    // The sky, as in `sky.wgsl`: the brightest star's radiance, then what the rest is made of.
+    stars: f32,
     towards_sun: vec4<f32>,
     sun_azimuth: vec4<f32>,
     plain: vec4<f32>,
     overhead: vec4<f32>,
     disc: vec4<f32>,
-    fill: f32,
-    stars: f32,
     exposure: f32,
     lamps: u32,
     // Filter of shadow lookups: taps on either side of the middle one, and box (0), tent (1) or bilinear (2).
@@ -51,9 +49,7 @@ struct Frame {
     fog_per_m: f32,
     fog_end_m: f32,
     fog_anisotropy: f32,
-    pad_0: u32,
-    pad_1: u32,
-    pad_2: u32,
+    pad: u32,
 }
 
 // The ray through a point of the picture, in pixels from the upper left corner; its part along `forward` is 1.

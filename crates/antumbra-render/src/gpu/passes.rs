@@ -9,7 +9,10 @@ const TEXEL: &str = include_str!("../passes/gbuffer/texel.wgsl");
 const GEOMETRY: &str = include_str!("../passes/gbuffer/geometry.wgsl");
 const RASTER: &str = include_str!("../passes/gbuffer/raster.wgsl");
 const RESOLVE: &str = include_str!("../passes/gbuffer/resolve.wgsl");
+const SUN: &str = include_str!("../passes/shadow/sun.wgsl");
+const LOOKUP: &str = include_str!("../passes/shadow/lookup.wgsl");
 const SHADOW: &str = include_str!("../passes/shadow/shadow.wgsl");
+const CASCADE: &str = include_str!("../passes/csm/cascade.wgsl");
 const CSM: &str = include_str!("../passes/csm/csm.wgsl");
 const DEPTH: &str = include_str!("../passes/csm/depth.wgsl");
 const FOG: &str = include_str!("../passes/fog/fog.wgsl");
@@ -44,16 +47,16 @@ pub(crate) fn sources(lookups: &str, way: Way) -> Vec<(&'static str, String)> {
     vec![
         ("raster", [FRAME, GEOMETRY, RASTER].concat()),
         ("resolve", [FRAME, TEXEL, GEOMETRY, RESOLVE].concat()),
-        ("shadow map", [FRAME, GEOMETRY, DEPTH].concat()),
-        ("sun shadows", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, CSM, SHADOW].concat()),
-        ("fog", [lookups, way, FRAME, TEXEL, CONSTANTS, CSM, FOG].concat()),
-        ("shading", [FRAME, TEXEL, SKY, BRDF, SHADE].concat()),
+        ("shadow map", [FRAME, GEOMETRY, CASCADE, DEPTH].concat()),
+        ("sun shadows", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, SUN, CASCADE, CSM, LOOKUP, SHADOW].concat()),
+        ("fog", [lookups, way, FRAME, TEXEL, CONSTANTS, SUN, CASCADE, CSM, FOG].concat()),
+        ("shading", [FRAME, TEXEL, SKY, BRDF, SUN, SHADE].concat()),
         ("tone mapping", [FRAME, TONEMAP].concat()),
         ("meter", [FRAME, METER].concat()),
         ("tile boxes", [FRAME, TEXEL, LAMP, BOXES].concat()),
         ("clusters", [FRAME, LAMP, CLUSTERS].concat()),
         ("light lists", [FRAME, LAMP, LISTS].concat()),
-        ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LAMPS].concat()),
+        ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LOOKUP, LAMPS].concat()),
     ]
 }
 
@@ -250,10 +253,9 @@ mod tests {
 
     #[test]
     fn passes_are_valid_and_their_structs_lie_in_memory_as_here() {
-        let frame = offsets!(Frame: right up forward size sample samples jitter pixel_size footprint near visible_m glow
-            suns towards_sun sun_azimuth plain overhead disc fill stars exposure lamps radius kernel sun_tangent
-            tile tiles_x layers list_words first_layer_m layer_ratio cascades fog_per_m fog_end_m fog_anisotropy pad_0 pad_1
-            pad_2);
+        let frame = offsets!(Frame: right up forward size sample samples jitter footprint near visible_m glow suns stars
+            towards_sun sun_azimuth plain overhead disc exposure lamps radius kernel sun_tangent tile tiles_x layers
+            list_words first_layer_m layer_ratio cascades fog_per_m fog_end_m fog_anisotropy pad);
         let mut found = [0; 4];
         for (name, module) in modules() {
             if let Some(there) = layout(&module, "Frame") {

@@ -1,16 +1,5 @@
 // Cascaded shadow maps: twin of `csm::reference`.
 
-struct Cascade {
-    // From a point relative to the eye (and 1) to texels and to depth from 0 to 1.
-    row_x: vec4<f32>,
-    row_y: vec4<f32>,
-    row_z: vec4<f32>,
-    texel_m: f32,
-    depth_m: f32,
-    size: f32,
-    pad: f32,
-}
-
 // By sun, then by cascade.
 @group(2) @binding(0) var<storage, read> cascades: array<Cascade>;
 @group(2) @binding(1) var maps: texture_depth_2d_array;

@@ -1,15 +1,5 @@
 // Draws the depth of casters into one cascade's map.
 
-struct Cascade {
-    row_x: vec4<f32>,
-    row_y: vec4<f32>,
-    row_z: vec4<f32>,
-    texel_m: f32,
-    depth_m: f32,
-    size: f32,
-    pad: f32,
-}
-
 @group(1) @binding(0) var<storage, read> cascade: Cascade;
 
 struct Corner {

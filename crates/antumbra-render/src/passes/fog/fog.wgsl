@@ -1,10 +1,5 @@
 // Fog before what is seen, with the shafts of light in it: twin of `fog::reference`.
 
-struct SunLight {
-    towards: vec4<f32>,
-    irradiance: vec4<f32>,
-}
-
 @group(0) @binding(0) var<storage, read> frame: Frame;
 @group(0) @binding(1) var<storage, read> gbuffer: array<Texel>;
 @group(0) @binding(2) var<storage, read> suns: array<SunLight>;

@@ -11,24 +11,8 @@
 
 @group(1) @binding(0) var<storage, read> lights: array<AntumbraLight>;
 
-const FILTER: u32 = 1u;
-const MEAN: u32 = 2u;
-const LEVELS: u32 = 3u;
-
 fn luminance(color: vec3<f32>) -> f32 {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
-}
-
-fn looked_up(light: AntumbraLight, s: Surface) -> f32 {
-    let filter_ = AntumbraFilter(frame.radius, frame.kernel);
-    switch SHADOW {
-        case FILTER: { return antumbra_filtered(light, s.position, s.face_normal, filter_); }
-        case MEAN: { return antumbra_mean(light, s.position, s.face_normal, s.footprint_m); }
-        case LEVELS: { return antumbra_levels(light, s.position, s.face_normal, s.footprint_m, filter_); }
-        // A lamp has no size.
-        case 4u: { return antumbra_filtered(light, s.position, s.face_normal, filter_); }
-        default: { return 1.0; }
-    }
 }
 
 fn list_of(pixel: vec2<u32>, depth: f32) -> u32 {

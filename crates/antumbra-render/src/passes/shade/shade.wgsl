@@ -1,10 +1,5 @@
 // From surfaces and the suns' light on them to radiance: twin of `shade::reference`. Lamps add theirs in `lamps.wgsl`.
 
-struct SunLight {
-    towards: vec4<f32>,
-    irradiance: vec4<f32>,
-}
-
 @group(0) @binding(0) var<storage, read> frame: Frame;
 @group(0) @binding(1) var<storage, read> gbuffer: array<Texel>;
 @group(0) @binding(2) var<storage, read> sky: array<vec4<f32>>;

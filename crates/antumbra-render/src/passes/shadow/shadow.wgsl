@@ -1,10 +1,5 @@
 // How much of each sun reaches what is seen: twin of `shadow::reference`.
 
-struct SunLight {
-    towards: vec4<f32>,
-    irradiance: vec4<f32>,
-}
-
 @group(0) @binding(0) var<storage, read> frame: Frame;
 @group(0) @binding(1) var<storage, read> gbuffer: array<Texel>;
 @group(0) @binding(2) var<storage, read> suns: array<SunLight>;
@@ -12,22 +7,6 @@ struct SunLight {
 
 // The baked lights: suns in their order, then lamps in theirs.
 @group(1) @binding(0) var<storage, read> lights: array<AntumbraLight>;
-
-const FILTER: u32 = 1u;
-const MEAN: u32 = 2u;
-const LEVELS: u32 = 3u;
-const PENUMBRA: u32 = 4u;
-
-fn looked_up(light: AntumbraLight, s: Surface) -> f32 {
-    let filter_ = AntumbraFilter(frame.radius, frame.kernel);
-    switch SHADOW {
-        case FILTER: { return antumbra_filtered(light, s.position, s.face_normal, filter_); }
-        case MEAN: { return antumbra_mean(light, s.position, s.face_normal, s.footprint_m); }
-        case LEVELS: { return antumbra_levels(light, s.position, s.face_normal, s.footprint_m, filter_); }
-        case PENUMBRA: { return antumbra_penumbra(light, s.position, s.face_normal, frame.sun_tangent); }
-        default: { return 1.0; }
-    }
-}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
