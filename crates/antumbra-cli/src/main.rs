@@ -3,6 +3,7 @@
 //! Thin: each command is one file in [`commands`] that reads its arguments, calls the libraries and prints. Exit codes:
 //! 0 done, 2 bad usage, 1 anything else, with one sentence on stderr.
 
+mod area;
 mod args;
 mod bench;
 mod commands;

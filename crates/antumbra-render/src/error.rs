@@ -43,6 +43,9 @@ pub enum RenderError {
     /// Fog that is no fog.
     #[error("fog of density {0} per metre: give a density above 0, and an anisotropy between -1 and 1")]
     Fog(f64),
+    /// An area light that cannot be.
+    #[error("an area light cannot be drawn: {0}")]
+    AreaLight(String),
     /// The shadow file has none of the scene's lights.
     #[error("the shadow file has no light `{light}`; it has: {present}")]
     LightNotInFile {

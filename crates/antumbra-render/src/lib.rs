@@ -16,6 +16,7 @@
 //! # Ok(()) }
 //! ```
 
+pub mod area;
 mod camera;
 mod error;
 #[cfg(feature = "gpu")]

@@ -7,12 +7,14 @@ use rayon::prelude::*;
 
 use crate::{
     Picture, RenderError, ShadowSource, Time, Tracer,
+    area::{AreaLighting, AreaTechnique},
     camera::View,
     passes::{
         World,
         ambient::{self, Gathered},
         fog::{self, Fog},
         gbuffer,
+        ivsv::{self, reference::Volumes},
         shade::{
             self,
             reference::{Inputs, Shaded},
@@ -45,11 +47,13 @@ pub struct RenderOptions {
     pub time: Option<Time>,
     /// Fog in the air, with shafts of sunlight.
     pub fog: Option<Fog>,
+    /// Lights with a surface, and how their shadows are found. At night, unless [`RenderOptions::time`] says otherwise.
+    pub area: Option<AreaLighting>,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { width: 1280, height: 720, samples: 4, ao_samples: 12, exposure: None, time: None, fog: None }
+        Self { width: 1280, height: 720, samples: 4, ao_samples: 12, exposure: None, time: None, fog: None, area: None }
     }
 }
 
@@ -62,6 +66,7 @@ impl RenderOptions {
         within("samples", self.samples, 1, 1024)?;
         within("ao_samples", self.ao_samples, 0, 4096)?;
         self.fog.map_or(Ok(()), |fog| fog.check())?;
+        self.area.as_ref().map_or(Ok(()), AreaLighting::check)?;
         match self.exposure {
             Some(e) if !(e.is_finite() && e > 0.0) => Err(RenderError::Exposure(e)),
             _ => Ok(()),
@@ -120,12 +125,14 @@ impl<'a> Renderer<'a> {
         options.check()?;
         let view = View::new(camera, options.width, options.height)?;
         let lights = shadows.known(&self.scene.lights)?;
-        let time = options.time.unwrap_or_else(|| Time::suiting(&lights));
-        let world = World::new(&self.tracer, &self.surfaces, &lights, time);
+        let area = options.area.as_ref().map_or(&[][..], |area| &area.lights);
+        let suiting = || if area.is_empty() { Time::suiting(&lights) } else { Time::Night };
+        let world = World::new(&self.tracer, &self.surfaces, &lights, area, options.time.unwrap_or_else(suiting));
         let shadows = Shadows::new(&world, shadows, &view);
         let job = Job { world: &world, view, shadows, options, progress, done: AtomicUsize::new(0) };
         let gathered = job.gather();
-        let shaded = job.shade(&gathered);
+        let volumes = job.volumes();
+        let shaded = job.shade(&gathered, volumes.as_ref());
         Ok(job.develop(&shaded))
     }
 }
@@ -171,7 +178,13 @@ impl Job<'_> {
         gathered
     }
 
-    fn shade(&self, gathered: &[Gathered]) -> Vec<Shaded> {
+    /// Shadow volumes of area lights, where those are not traced.
+    fn volumes(&self) -> Option<Volumes> {
+        let area = self.options.area.as_ref().filter(|area| area.technique != AreaTechnique::Traced)?;
+        Some(Volumes::new(self.world, &self.view, self.options.fog.as_ref(), area))
+    }
+
+    fn shade(&self, gathered: &[Gathered], volumes: Option<&Volumes>) -> Vec<Shaded> {
         self.rows(|y| {
             let texels = gbuffer::reference::row(self.world, &self.view, y, self.options.samples);
             let beams = shadow::reference::row(self.world, &self.shadows, &texels);
@@ -179,8 +192,21 @@ impl Job<'_> {
                 Some(fog) => fog::reference::row(self.world, &self.shadows, fog, self.view.eye, &texels),
                 None => Vec::new(),
             };
-            let inputs =
-                Inputs { texels: &texels, beams: &beams, gathered, veils: &veils, samples: self.options.samples };
+            let area = match (volumes, &self.options.area) {
+                (Some(volumes), _) => volumes.row(self.world, &texels),
+                (None, Some(area)) => ivsv::traced::row(
+                    self.world,
+                    self.view.eye,
+                    self.options.fog.as_ref(),
+                    area,
+                    y,
+                    self.options.samples,
+                    &texels,
+                ),
+                (None, None) => Vec::new(),
+            };
+            let samples = self.options.samples;
+            let inputs = Inputs { texels: &texels, beams: &beams, gathered, veils: &veils, area: &area, samples };
             let row = shade::reference::row(self.world, &self.view, y, &inputs);
             self.step();
             row

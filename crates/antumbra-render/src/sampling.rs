@@ -32,7 +32,7 @@ pub(crate) fn cosine_direction(normal: Vec3, point: Vec2) -> Vec3 {
 }
 
 /// Wellons (2018), "Prospecting for Hash Functions": `lowbias32`.
-fn hash(mut x: u32) -> u32 {
+pub(crate) fn hash(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x7FEB_352D);
     x = (x ^ (x >> 15)).wrapping_mul(0x846C_A68B);
     x ^ (x >> 16)

@@ -13,6 +13,7 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::DVec3;
 
+use crate::area::AreaArgs;
 use crate::args::{self, FilterArgs, RunArgs};
 use crate::output::{self, OutputFile};
 use crate::progress::Progress;
@@ -66,6 +67,8 @@ pub struct Args {
     /// Fog: the share of light that a metre of it takes away, such as 0.002. The sun makes shafts in it
     #[arg(long, value_name = "PER-METRE")]
     fog: Option<f64>,
+    #[command(flatten)]
+    area: AreaArgs,
     /// In daylight [default: unless the scene has lamps and no directional light of 10 lux or more]
     #[arg(long, conflicts_with = "night")]
     day: bool,
@@ -150,6 +153,7 @@ pub fn run(args: &Args) -> Result<()> {
         samples: args.samples,
         time: time(args),
         ao_samples,
+        area: args.area.lighting()?,
         fog: args.fog.map(|density_per_m| Fog { density_per_m, anisotropy: 0.5 }),
         ..RenderOptions::default()
     };
@@ -170,6 +174,9 @@ pub fn run(args: &Args) -> Result<()> {
 /// Whether shadows come from a bake; refuses what a later version brings.
 fn is_baked(args: &Args) -> Result<bool> {
     if args.device == Device::Gpu {
+        if args.area.is_there() {
+            bail!("--area-light is drawn on the processor: leave out --device gpu");
+        }
         if args.gather.is_some_and(|rays| rays > 0) {
             bail!("--gather sends rays, which the graphics card does not: leave it out, or --device gpu");
         }

@@ -8,6 +8,7 @@ pub(crate) mod ambient;
 pub mod csm;
 pub(crate) mod fog;
 pub(crate) mod gbuffer;
+pub(crate) mod ivsv;
 pub(crate) mod shade;
 pub(crate) mod shadow;
 pub(crate) mod tonemap;

@@ -5,9 +5,10 @@ use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
 use crate::{
+    area::{AreaLight, AreaShape},
     light::{LUX, Lamp, Lamps, Sky, Sun, Time, luminance},
-    sampling::r2,
-    surface::Surfaces,
+    sampling::{cosine_direction, r2},
+    surface::{Surface, Surfaces},
     trace::{Ray, Tracer},
 };
 
@@ -16,6 +17,8 @@ pub(crate) struct World<'w> {
     pub tracer: &'w Tracer,
     pub surfaces: &'w Surfaces<'w>,
     pub lighting: Lighting,
+    /// Lights with a surface, which is seen.
+    pub area: &'w [AreaLight],
 }
 
 /// A scene's light at one time.
@@ -50,6 +53,8 @@ const LAMPS_ALL_ROUND: f32 = 0.25;
 const MOST_MOONLIGHT: f32 = 0.1;
 /// Moonlight's colour as eyes see it that are used to the dark.
 const MOON_TINT: Vec3 = Vec3::new(0.5, 0.75, 1.35);
+/// Rays from each area light that find out what it lights.
+const RAYS_PER_AREA_LIGHT: u32 = 256;
 /// Rays from each lamp that find out what it lights.
 const RAYS_PER_LAMP: u32 = 64;
 
@@ -87,11 +92,49 @@ impl Lighting {
 }
 
 impl<'w> World<'w> {
-    /// A scene in the light of some of its lights, by day or night.
-    pub(crate) fn new(tracer: &'w Tracer, surfaces: &'w Surfaces<'w>, lights: &[Light], time: Time) -> Self {
-        let lamplit = |lamps: &[Lamp]| lamplit(tracer, surfaces, lamps);
+    /// A scene in the light of some of its lights and of area lights, by day or night.
+    pub(crate) fn new(
+        tracer: &'w Tracer,
+        surfaces: &'w Surfaces<'w>,
+        lights: &[Light],
+        area: &'w [AreaLight],
+        time: Time,
+    ) -> Self {
+        let lamplit = |lamps: &[Lamp]| match (lamplit(tracer, surfaces, lamps), area_lit(tracer, surfaces, area)) {
+            (Some(by_lamps), Some(by_area)) => Some(by_lamps.max(by_area)),
+            (by_lamps, by_area) => by_lamps.or(by_area),
+        };
         let lighting = Lighting::new(lights, time, tracer.bounds().diagonal(), lamplit);
-        Self { tracer, surfaces, lighting }
+        Self { tracer, surfaces, lighting, area }
+    }
+
+    /// Radiance of what lies around the scene, in environments.
+    pub(crate) fn around(&self, direction: Vec3) -> Vec3 {
+        let environments = self.area.iter().filter(|light| light.shape == AreaShape::Environment);
+        environments
+            .filter_map(|light| light.seen(DVec3::ZERO, direction.as_dvec3()))
+            .map(|(_, radiance)| radiance)
+            .sum()
+    }
+
+    /// The nearest surface of a light on a ray, as a surface that glows; nearer than a distance.
+    pub(crate) fn light_surface(&self, ray: &Ray, nearer: f64) -> Option<Surface> {
+        let seen = self.area.iter().filter_map(|light| light.seen(ray.origin, ray.direction));
+        let (distance, radiance) =
+            seen.filter(|(t, _)| *t < nearer && t.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let towards_eye = -ray.direction.as_vec3();
+        Some(Surface {
+            position: ray.at(distance),
+            distance,
+            footprint_m: 0.0,
+            face_normal: towards_eye,
+            normal: towards_eye,
+            towards_eye,
+            albedo: Vec3::ZERO,
+            emissive: radiance / self.lighting.glow,
+            metallic: 1.0,
+            roughness: 1.0,
+        })
     }
 
     /// A ray that leaves a surface. It starts a little off it: modelled surfaces lie on one another (decals, panes,
@@ -114,6 +157,26 @@ pub(crate) fn lamplit(tracer: &Tracer, surfaces: &Surfaces<'_>, lamps: &[Lamp]) 
     }
     let middle = lit.len() / 2;
     (!lit.is_empty()).then(|| *lit.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
+/// Irradiance of a place that area lights light: as [`lamplit`] finds it.
+fn area_lit(tracer: &Tracer, surfaces: &Surfaces<'_>, lights: &[AreaLight]) -> Option<f32> {
+    let mut lit: Vec<f32> = Vec::new();
+    for light in lights {
+        for i in 0..RAYS_PER_AREA_LIGHT {
+            let point = light.point(r2(i), &tracer.bounds());
+            let spread = (point.spread * point.spread) as f32;
+            let at = r2(i + RAYS_PER_AREA_LIGHT).as_vec2() * glam::Vec2::new(1.0, spread.min(1.0));
+            let direction = cosine_direction(point.normal_world.as_vec3(), at).as_dvec3();
+            let ray = Ray::new(point.position_world, direction);
+            let Some(hit) = tracer.closest_if(&ray, |hit| surfaces.casts_shadow(tracer, hit)) else { continue };
+            let cos = tracer.normal(hit.triangle).dot(direction).abs() * direction.dot(point.normal_world);
+            let solid_angle = point.area_m2 / (hit.t * hit.t + point.area_m2 / std::f64::consts::PI);
+            lit.push(luminance(point.radiance) * (cos * solid_angle) as f32);
+        }
+    }
+    let middle = lit.len() / 2;
+    (!lit.is_empty()).then(|| *lit.select_nth_unstable_by(middle, f32::total_cmp).1).filter(|lit| *lit > 0.0)
 }
 
 fn lit_place(tracer: &Tracer, surfaces: &Surfaces<'_>, lamp: &Lamp, ray: u32) -> Option<f32> {

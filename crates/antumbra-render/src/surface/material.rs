@@ -51,6 +51,11 @@ impl<'a> Surfaces<'a> {
         }
     }
 
+    /// The scene.
+    pub(crate) fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
     /// Whether light stops here: opaque and masked surfaces stop it, translucent ones let it through, as in a bake.
     pub(crate) fn casts_shadow(&self, tracer: &Tracer, hit: &Hit) -> bool {
         (self.solid || !self.is_translucent(tracer, hit)) && self.masks.keeps(tracer, hit)

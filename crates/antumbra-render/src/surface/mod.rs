@@ -6,6 +6,4 @@ mod texture;
 
 pub use alpha::AlphaMasks;
 pub(crate) use material::{Surface, Surfaces};
-#[cfg(feature = "gpu")]
-pub(crate) use texture::Pyramid;
-pub(crate) use texture::srgb_from_linear;
+pub(crate) use texture::{Level, Pyramid, srgb_from_linear};

@@ -44,7 +44,6 @@ impl Pyramid {
     }
 
     /// Finest first.
-    #[cfg(feature = "gpu")]
     pub(crate) fn levels(&self) -> &[Level] {
         &self.levels
     }
@@ -56,6 +55,11 @@ impl Pyramid {
 }
 
 impl Level {
+    /// Linear RGB, rows from the top.
+    pub(crate) fn colors(&self) -> impl Iterator<Item = glam::Vec3> {
+        self.rgba.iter().map(|rgba| glam::Vec3::from([0, 1, 2].map(|i| LINEAR[usize::from(rgba[i])])))
+    }
+
     fn bilinear(&self, uv: Vec2, wrap_s: Wrap, wrap_t: Wrap) -> Vec4 {
         if !uv.is_finite() {
             return Vec4::ONE;

@@ -21,9 +21,10 @@ fn texel(world: &World<'_>, view: &View, x: u32, y: u32, sample: u32, samples: u
         (layer + sample as f32 / samples as f32).fract()
     };
     let hit = world.tracer.closest_if(&ray, |hit| world.surfaces.is_seen(world.tracer, hit, unit));
-    let surface = hit.map(|hit| {
+    let surface = world.light_surface(&ray, hit.map_or(f64::INFINITY, |hit| hit.t)).or_else(|| {
+        let hit = hit?;
         let footprint_m = hit.t * view.pixel_size / f64::from(samples).sqrt();
-        world.surfaces.at(world.tracer, &ray, &hit, footprint_m)
+        Some(world.surfaces.at(world.tracer, &ray, &hit, footprint_m))
     });
     Texel { direction: ray.direction.as_vec3(), surface }
 }

@@ -11,6 +11,7 @@ use crate::{
         ambient::Gathered,
         fog::Veil,
         gbuffer::Texel,
+        ivsv::AreaLit,
         shadow::{Beam, Beams},
     },
     surface::Surface,
@@ -43,6 +44,8 @@ pub(crate) struct Inputs<'a> {
     pub gathered: &'a [Gathered],
     /// Fog before each texel; empty where there is none.
     pub veils: &'a [Veil],
+    /// What area lights do to each texel; empty where there are none.
+    pub area: &'a [AreaLit],
     pub samples: u32,
 }
 
@@ -52,14 +55,18 @@ pub(crate) fn row(world: &World<'_>, view: &View, y: u32, inputs: &Inputs<'_>) -
     let pixel = |(x, texels): (usize, &[Texel])| {
         let mut sum = Shaded::default();
         for (sample, (texel, beams)) in texels.iter().zip(beams.by_ref()).enumerate() {
-            let veil = inputs.veils.get(x * inputs.samples as usize + sample).copied().unwrap_or(Veil::NONE);
+            let index = x * inputs.samples as usize + sample;
+            let area = inputs.area.get(index).copied().unwrap_or_default();
+            let mut veil = inputs.veils.get(index).copied().unwrap_or(Veil::NONE);
+            veil.light += area.airlight;
             let Some(surface) = &texel.surface else {
-                sum.radiance += veil.over(world.lighting.sky.radiance_with_disc(texel.direction));
+                let sky = world.lighting.sky.radiance_with_disc(texel.direction);
+                sum.radiance += veil.over(sky + world.around(texel.direction));
                 continue;
             };
             let ambient = ambient(world, view, inputs.gathered, [x as u32, y], surface);
             let glow = surface.emissive * world.lighting.glow;
-            let light = lit(world, surface, beams, ambient, glow);
+            let light = lit(world, surface, beams, ambient, glow) + area.reflected;
             sum.radiance += veil.over(hazy(world, texel, surface, light));
             sum.metered += luminance(light - glow);
         }
@@ -74,9 +81,15 @@ fn lit(world: &World<'_>, surface: &Surface, beams: &[Beam], ambient: Vec3, glow
     let diffuse = surface.albedo * (1.0 - surface.metallic);
     let mut light = diffuse * ambient + reflected_sky(world, surface, ambient) + glow;
     for &Beam { towards, irradiance, visible } in beams {
-        light += (diffuse / PI + highlight(surface, towards)) * irradiance * (incidence(surface, towards) * visible);
+        light += reflected(surface, towards, irradiance * visible);
     }
     light
+}
+
+/// What a surface sends to the eye of a light's irradiance.
+pub(crate) fn reflected(surface: &Surface, towards: Vec3, irradiance: Vec3) -> Vec3 {
+    let diffuse = surface.albedo * (1.0 - surface.metallic) / PI;
+    (diffuse + highlight(surface, towards)) * irradiance * incidence(surface, towards)
 }
 
 /// Cosine of a light to the shading normal, taken to zero where the triangle itself turns away.

@@ -108,7 +108,7 @@ fn baked<'a>(file: &'a ShadowFile, name: &str, kind: impl Fn(LightKind) -> bool)
 
 /// The shadow maps that a source needs: of everything, or over a bake of what moves.
 fn maps<'w>(world: &'w World<'_>, source: ShadowSource<'_>, view: &View) -> Vec<Maps<'w>> {
-    let World { tracer, surfaces, lighting } = world;
+    let World { tracer, surfaces, lighting, .. } = world;
     let of = |cascades: Cascades, casters| {
         lighting.suns.iter().map(|sun| Maps::new(&cascades, view, sun, tracer, surfaces, casters)).collect()
     };

@@ -1,0 +1,144 @@
+//! Arguments of area lights.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use antumbra_render::area::{Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, VoxelResolution};
+use antumbra_scene::Image;
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+use glam::DVec3;
+
+use crate::args;
+
+/// One light with a surface, and how its shadows are found.
+#[derive(clap::Args, Clone, Debug)]
+pub struct AreaArgs {
+    /// A light with a surface, which casts soft shadows, in --fog too: rectangle=WIDTH,HEIGHT, disc=RADIUS, sphere=RADIUS
+    /// (metres), or environment
+    #[arg(long, value_name = "SHAPE", value_parser = parse_shape, requires = "light_at", conflicts_with = "day")]
+    area_light: Option<AreaShape>,
+    /// Where its middle is, metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = args::parse_point, allow_hyphen_values = true, requires = "area_light")]
+    light_at: Option<DVec3>,
+    /// What it shines towards [default: straight down from where it is]
+    #[arg(long, value_name = "X,Y,Z", value_parser = args::parse_point, allow_hyphen_values = true, requires = "area_light")]
+    light_towards: Option<DVec3>,
+    /// Its luminance, candela per square metre; a television has 300
+    #[arg(long, value_name = "CD", default_value_t = 300.0)]
+    luminance: f32,
+    /// Its colour, linear; multiplied by the picture
+    #[arg(long, value_name = "R,G,B", value_parser = args::parse_point, default_value = "1,1,1")]
+    light_color: DVec3,
+    /// A picture that it shows: PNG, JPEG or WebP
+    #[arg(long, value_name = "FILE", requires = "area_light")]
+    light_image: Option<PathBuf>,
+    /// How its shadows are found
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = Shadows::Voxels)]
+    area_shadows: Shadows,
+    /// Points of light that stand for its surface, 1 to 1024; rays per sample with --area-shadows traced
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    vpls: u32,
+    /// Samples of their shadows along each axis, 32 to 512
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = parse_voxels)]
+    voxels: u32,
+    /// How the light in fog is integrated
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = AirlightArg::Exact)]
+    airlight: AirlightArg,
+}
+
+/// `--area-shadows`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shadows {
+    /// Imperfect voxelized shadow volumes
+    Voxels,
+    /// Rays: the truth, but for noise
+    Traced,
+    /// There are none
+    None,
+}
+
+/// `--airlight`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AirlightArg {
+    /// Exactly, over each lit stretch of a view ray
+    Exact,
+    /// All of it times the share of the ray that is lit
+    Average,
+}
+
+fn parse_shape(text: &str) -> Result<AreaShape, String> {
+    let size = |text| args::parse_metres(text);
+    match text.split_once('=') {
+        None if text == "environment" => Ok(AreaShape::Environment),
+        Some(("rectangle", sides)) => {
+            let (width, height) = sides.split_once(',').unwrap_or((sides, sides));
+            Ok(AreaShape::Rectangle { width_m: size(width)?, height_m: size(height)? })
+        }
+        Some(("disc", radius)) => Ok(AreaShape::Disc { radius_m: size(radius)? }),
+        Some(("sphere", radius)) => Ok(AreaShape::Sphere { radius_m: size(radius)? }),
+        _ => Err("it must be rectangle=WIDTH,HEIGHT, disc=RADIUS, sphere=RADIUS or environment".to_owned()),
+    }
+}
+
+fn parse_voxels(text: &str) -> Result<u32, String> {
+    let side = text.parse().ok().filter(|side: &u32| (32..=512).contains(side) && side.is_multiple_of(32));
+    side.ok_or_else(|| "it must be a multiple of 32 from 32 to 512".to_owned())
+}
+
+impl AreaArgs {
+    /// Whether there is one.
+    #[must_use]
+    pub fn is_there(&self) -> bool {
+        self.area_light.is_some()
+    }
+
+    /// The light that they describe.
+    pub fn lighting(&self) -> Result<Option<AreaLighting>> {
+        let (Some(shape), Some(at)) = (self.area_light, self.light_at) else { return Ok(None) };
+        let towards = self.light_towards.unwrap_or(at - DVec3::Y);
+        let luminance = (self.light_color * f64::from(self.luminance)).as_vec3().to_array();
+        let mut light = AreaLight::towards(shape, at, towards, luminance)?;
+        light.emission = self.light_image.as_deref().map(emission).transpose()?;
+        Ok(Some(AreaLighting {
+            technique: match self.area_shadows {
+                Shadows::Voxels => AreaTechnique::Voxels,
+                Shadows::Traced => AreaTechnique::Traced,
+                Shadows::None => AreaTechnique::None,
+            },
+            vpls: self.vpls,
+            voxels: VoxelResolution::cube(self.voxels),
+            airlight: match self.airlight {
+                AirlightArg::Exact => Airlight::Exact,
+                AirlightArg::Average => Airlight::Average,
+            },
+            ..AreaLighting::new(vec![light])
+        }))
+    }
+}
+
+fn emission(path: &Path) -> Result<Arc<Emission>> {
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let decoded = image::load_from_memory(&bytes)
+        .with_context(|| format!("{} is no picture that can be read (PNG, JPEG, WebP)", path.display()))?;
+    let rgba = decoded.into_rgba8();
+    let (width, height) = rgba.dimensions();
+    let image = Image { name: String::new(), width, height, rgba: rgba.into_raw() };
+    Ok(Arc::new(Emission::of_image(&image).with_context(|| format!("{} is empty", path.display()))?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes() {
+        let rectangle = |width_m, height_m| Ok(AreaShape::Rectangle { width_m, height_m });
+        assert_eq!(parse_shape("rectangle=2,1.5"), rectangle(2.0, 1.5));
+        assert_eq!(parse_shape("rectangle=2"), rectangle(2.0, 2.0));
+        assert_eq!(parse_shape("sphere=0.1"), Ok(AreaShape::Sphere { radius_m: 0.1 }));
+        assert_eq!(parse_shape("environment"), Ok(AreaShape::Environment));
+        assert!(["disc", "disc=0", "disc=-1", "rectangle=1,x", "cube=1", ""].iter().all(|t| parse_shape(t).is_err()));
+        assert!(["31", "100", "1024", "x"].iter().all(|text| parse_voxels(text).is_err()));
+    }
+}

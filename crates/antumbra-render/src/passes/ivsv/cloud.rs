@@ -1,0 +1,252 @@
+//! The scene as points, of which each VPL's shadow map gets a share.
+//!
+//! Points lie evenly over the scene's area, and move with their nodes. They come in chunks of neighbours, in random order
+//! within a chunk: any few of a chunk's points stand for all of it. Each frame shares out a map's points among the chunks
+//! by the solid angle in which the lights see them, so that what is near gets many: the point level of detail that Wyman
+//! and Dai (2013, section 5) leave to the future.
+
+use antumbra_scene::{AlphaMode, AlphaTest, Node, Primitive, Scene};
+use glam::{DVec3, Vec3};
+
+use crate::area::Vpl;
+use crate::sampling::{hash, r2};
+
+/// Points of a chunk.
+const CHUNK: usize = 64;
+/// Discs overlap a little, or light would pass between them.
+const OVERLAP: f32 = 1.25;
+
+/// A point of the scene, in mesh space.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    position: [f32; 3],
+    normal: Vec3,
+}
+
+/// Neighbouring points of one node.
+#[derive(Clone, Copy, Debug)]
+struct Chunk {
+    node: usize,
+    first: u32,
+    count: u32,
+    /// Of what its points stand for, world, m².
+    area_m2: f64,
+}
+
+/// A scene's points.
+#[derive(Clone, Debug)]
+pub(crate) struct Cloud {
+    points: Vec<Point>,
+    chunks: Vec<Chunk>,
+}
+
+/// A point where it is in one frame, relative to the eye.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    pub position: Vec3,
+    pub normal: Vec3,
+}
+
+/// A chunk's share of each map's points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Share {
+    /// Where its share begins, of 2^32.
+    pub begin: u32,
+    pub first: u32,
+    pub count: u32,
+    /// Radius of the disc that one of its points stands for.
+    pub radius_m: f32,
+}
+
+/// The cloud in one frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Cast {
+    pub points: Vec<Placed>,
+    /// By `begin`.
+    pub shares: Vec<Share>,
+}
+
+/// A triangle of the scene that casts shadows.
+struct Caster {
+    node: usize,
+    primitive: usize,
+    triangle: usize,
+    area_m2: f64,
+}
+
+impl Cloud {
+    /// About so many points of what casts shadows: opaque surfaces, and masked ones where they are.
+    pub fn new(scene: &Scene, count: u32) -> Self {
+        let casters = casters(scene);
+        let all: f64 = casters.iter().map(|c| c.area_m2).sum();
+        let mut found: Vec<(usize, u64, DVec3, Point)> = Vec::new();
+        if all > 0.0 {
+            let (mut next, mut before, step) = (0_u32, 0.0, all / f64::from(count));
+            for caster in &casters {
+                let after = before + caster.area_m2;
+                // One point in the middle of each step along the sum of areas.
+                while next < count && (f64::from(next) + 0.5) * step < after {
+                    if let Some((world, point)) = caster.point(scene, next) {
+                        found.push((caster.node, 0, world, point));
+                    }
+                    next += 1;
+                }
+                before = after;
+            }
+            order(&mut found);
+            return Self::of_points(&found, step);
+        }
+        Self { points: Vec::new(), chunks: Vec::new() }
+    }
+
+    /// Cuts points that lie in order of their nodes and places into chunks.
+    fn of_points(found: &[(usize, u64, DVec3, Point)], area_m2: f64) -> Self {
+        let (mut points, mut chunks) = (Vec::with_capacity(found.len()), Vec::new());
+        for of_node in found.chunk_by(|a, b| a.0 == b.0) {
+            for chunk in of_node.chunks(CHUNK) {
+                let first = points.len() as u32;
+                let mut own: Vec<Point> = chunk.iter().map(|(.., point)| *point).collect();
+                // Fisher, Yates: any first few lie all over the chunk.
+                for i in (1..own.len()).rev() {
+                    own.swap(i, hash(first + i as u32) as usize % (i + 1));
+                }
+                let count = own.len() as u32;
+                points.extend(own);
+                chunks.push(Chunk { node: chunk[0].0, first, count, area_m2: area_m2 * f64::from(count) });
+            }
+        }
+        Self { points, chunks }
+    }
+
+    /// Where the points are, and how many of each chunk's go into each map of `budget` points for these VPLs.
+    pub fn cast(&self, nodes: &[Node], eye: DVec3, vpls: &[Vpl], budget: u32) -> Cast {
+        let mut points = Vec::with_capacity(self.points.len());
+        let mut wishes = Vec::with_capacity(self.chunks.len());
+        for chunk in &self.chunks {
+            let node = &nodes[chunk.node];
+            let turned = node.world_from_mesh.matrix3.inverse().transpose();
+            let own = &self.points[chunk.first as usize..(chunk.first + chunk.count) as usize];
+            let mut middle = Vec3::ZERO;
+            for point in own {
+                let position = (node.world_point(point.position) - eye).as_vec3();
+                let normal = (turned * point.normal.as_dvec3()).normalize_or_zero().as_vec3();
+                points.push(Placed { position, normal });
+                middle += position;
+            }
+            wishes.push(chunk.area_m2 * solid_angle(middle / chunk.count as f32, chunk.area_m2, vpls));
+        }
+        let shares = self.shares(&wishes, budget);
+        Cast { points, shares }
+    }
+
+    /// Shares a budget out by wishes; no chunk gets more than it has points, as long as others can take the rest.
+    fn shares(&self, wishes: &[f64], budget: u32) -> Vec<Share> {
+        let count = |i: usize| f64::from(self.chunks[i].count);
+        let (mut scale, mut full) = (0.0, vec![false; wishes.len()]);
+        for _ in 0..8 {
+            let taken: f64 = (0..wishes.len()).filter(|i| full[*i]).map(count).sum();
+            let wished: f64 = wishes.iter().zip(&full).filter(|(_, full)| !**full).map(|(wish, _)| wish).sum();
+            scale = (f64::from(budget) - taken).max(0.0) / wished.max(f64::MIN_POSITIVE);
+            let mut changed = false;
+            for (i, wish) in wishes.iter().enumerate() {
+                if !full[i] && wish * scale > count(i) {
+                    (full[i], changed) = (true, true);
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        let quotas: Vec<f64> =
+            wishes.iter().enumerate().map(|(i, wish)| if full[i] { count(i) } else { wish * scale }).collect();
+        let all: f64 = quotas.iter().sum();
+        let mut before = 0.0;
+        let mut share = |(chunk, quota): (&Chunk, &f64)| {
+            let begin = (before / all.max(f64::MIN_POSITIVE) * 4_294_967_296.0) as u32;
+            before += quota;
+            // A map that has none of a chunk's points is as likely as its quota is small: then they stand for all of it.
+            let stands_for = chunk.area_m2 / quota.max(1.0);
+            let radius_m = (stands_for / std::f64::consts::PI).sqrt() as f32 * OVERLAP;
+            Share { begin, first: chunk.first, count: chunk.count, radius_m }
+        };
+        self.chunks.iter().zip(&quotas).map(&mut share).collect()
+    }
+}
+
+/// What a chunk's place makes of its area: the mean over a few VPLs of 1 / r², no nearer than its own size.
+fn solid_angle(middle: Vec3, area_m2: f64, vpls: &[Vpl]) -> f64 {
+    let few = vpls.iter().step_by(vpls.len().div_ceil(8).max(1));
+    let (mut sum, mut count) = (0.0, 0);
+    for vpl in few {
+        sum += 1.0 / (f64::from(middle.distance_squared(vpl.position)) + area_m2);
+        count += 1;
+    }
+    sum / f64::from(count.max(1))
+}
+
+/// Sorts points by node, then along a curve that keeps neighbours together (Morton 1966).
+fn order(found: &mut [(usize, u64, DVec3, Point)]) {
+    let mut bounds = antumbra_scene::Bounds::EMPTY;
+    found.iter().for_each(|(_, _, world, _)| bounds.insert(*world));
+    let size = (bounds.max - bounds.min).max_element().max(1e-12);
+    for (_, code, world, _) in found.iter_mut() {
+        let cell = ((*world - bounds.min) / size * 2_097_151.0).as_u64vec3();
+        *code = spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2;
+    }
+    found.sort_by_key(|(node, code, ..)| (*node, *code));
+}
+
+/// 21 bits, each followed by two zeros.
+fn spread(x: u64) -> u64 {
+    let x = (x | x << 32) & 0x001F_0000_0000_FFFF;
+    let x = (x | x << 16) & 0x001F_0000_FF00_00FF;
+    let x = (x | x << 8) & 0x100F_00F0_0F00_F00F;
+    let x = (x | x << 4) & 0x10C3_0C30_C30C_30C3;
+    (x | x << 2) & 0x1249_2492_4924_9249
+}
+
+fn casters(scene: &Scene) -> Vec<Caster> {
+    let mut out = Vec::new();
+    for (n, node) in scene.nodes.iter().enumerate() {
+        for (p, primitive) in scene.meshes[node.mesh].primitives.iter().enumerate() {
+            if scene.material(primitive).alpha_mode == AlphaMode::Blend {
+                continue;
+            }
+            for (t, triangle) in primitive.triangles.iter().enumerate() {
+                let [a, b, c] = triangle.map(|i| node.world_point(primitive.positions[i as usize]));
+                let area_m2 = 0.5 * (b - a).cross(c - a).length();
+                if area_m2.is_finite() && area_m2 > 0.0 {
+                    out.push(Caster { node: n, primitive: p, triangle: t, area_m2 });
+                }
+            }
+        }
+    }
+    out
+}
+
+impl Caster {
+    /// A point of it, evenly over its area; `None` where an alpha mask cuts it away.
+    fn point(&self, scene: &Scene, index: u32) -> Option<(DVec3, Point)> {
+        let node = &scene.nodes[self.node];
+        let primitive: &Primitive = &scene.meshes[node.mesh].primitives[self.primitive];
+        let vertices = primitive.triangles[self.triangle].map(|i| i as usize);
+        let at = r2(index);
+        // The unit square folded onto the triangle.
+        let (u, v) = if at.x + at.y > 1.0 { (1.0 - at.x, 1.0 - at.y) } else { (at.x, at.y) };
+        let weights = [1.0 - u - v, u, v];
+        if let Some(test) = AlphaTest::new(scene, primitive) {
+            let mean = |value: &dyn Fn(usize) -> f32| -> f64 {
+                vertices.iter().zip(weights).map(|(&i, w)| f64::from(value(i)) * w).sum()
+            };
+            let uv = [0, 1].map(|axis| mean(&|i| primitive.texcoords[i][axis]));
+            let alpha = mean(&|i| primitive.colors.get(i).map_or(1.0, |color| color[3]));
+            if !test.keeps(uv, alpha) {
+                return None;
+            }
+        }
+        let [a, b, c] = vertices.map(|i| Vec3::from(primitive.positions[i]));
+        let position = a * weights[0] as f32 + b * u as f32 + c * v as f32;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        Some((node.world_point(position.to_array()), Point { position: position.to_array(), normal }))
+    }
+}
