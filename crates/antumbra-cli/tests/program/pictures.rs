@@ -76,6 +76,33 @@ fn both_devices_draw_the_same_picture() {
     run(folder.path(), &format!("{gpu} --shadows {{b}} --penumbra 50")).fails(&["30 degrees"]);
 }
 
+#[test]
+fn area_lights_light_a_night_and_its_fog() {
+    let folder = folder();
+    let light = "--area-light disc=8 --light-at 0,90,0 --luminance 1000 --vpls 16 --voxels 32";
+    let draw = |name: &str, more: &str| {
+        let line = format!("render {{city}} -o {{{name}.png}} --size 96x64 --samples 1 --gather 0 {light} {more}");
+        run(folder.path(), &line).ok();
+        image::open(folder.path().join(format!("{name}.png"))).expect("a picture").to_rgb8()
+    };
+    let unlike = |a: &image::RgbImage, b: &image::RgbImage| {
+        a.as_raw().iter().zip(b.as_raw()).filter(|(a, b)| a.abs_diff(**b) > 8).count() as f64 / a.as_raw().len() as f64
+    };
+    let (voxels, traced) = (draw("voxels", "--fog 0.01"), draw("traced", "--fog 0.01 --area-shadows traced"));
+    let (none, average) =
+        (draw("none", "--area-shadows none --fog 0.01"), draw("average", "--fog 0.01 --airlight average"));
+    assert!(unlike(&voxels, &traced) < unlike(&none, &traced), "voxels are no better than no shadows");
+    assert_ne!(voxels, average);
+    let city = "render {city} -o {p.png} --size 16x16";
+    run(folder.path(), &format!("{city} --area-light disc=8")).misused("--light-at");
+    run(folder.path(), &format!("{city} --area-light cube=1 --light-at 0,0,0")).misused("rectangle=WIDTH,HEIGHT");
+    run(folder.path(), &format!("{city} --area-light disc=1 --light-at 0,9,0 --voxels 100")).misused("multiple of 32");
+    run(folder.path(), &format!("{city} {light} --device gpu")).fails(&["processor", "--device gpu"]);
+    run(folder.path(), &format!("{city} {light} --luminance=-1")).misused("cannot be used multiple times");
+    run(folder.path(), &format!("{city} {light} --light-towards 0,90,0")).fails(&["shines nowhere"]);
+    run(folder.path(), &format!("{city} {light} --light-image {{city}}")).fails(&["no picture that can be read"]);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn without_a_driver_it_says_what_to_install() {

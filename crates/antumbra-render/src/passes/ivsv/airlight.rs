@@ -37,6 +37,8 @@ pub(crate) const ROWS: usize = 129;
 const STEPS: u32 = 256;
 /// The last column stands for an angle this far from pi/2.
 const LAST: f64 = 1e-4;
+/// Angles are no steeper than this: beyond, tangents of single numbers change sign.
+pub(crate) const STEEPEST: f32 = std::f32::consts::FRAC_PI_2 - 6e-6;
 
 /// The table of tails for one phase function.
 #[derive(Clone, Debug)]
@@ -130,7 +132,7 @@ impl Beside {
 
     /// What comes from behind an angle, per intensity and scattering: differences of it are airlight.
     pub fn behind(&self, airlight: &Airlight, theta: f32) -> f32 {
-        let theta = theta.clamp(-1.570_796, 1.570_79);
+        let theta = theta.clamp(-STEEPEST, STEEPEST);
         let (sin, cos) = theta.sin_cos();
         let cos = cos.max(1e-6);
         let way = self.foot + self.h * (sin + 1.0) / cos - self.start;

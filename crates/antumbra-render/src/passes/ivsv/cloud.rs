@@ -173,12 +173,15 @@ impl Cloud {
     }
 }
 
-/// What a chunk's place makes of its area: the mean over a few VPLs of 1 / r², no nearer than its own size.
+/// What a chunk's place makes of its area: the mean over a few VPLs of 1 / r², no nearer than its own size; nothing where it
+/// lies behind the light.
 fn solid_angle(middle: Vec3, area_m2: f64, vpls: &[Vpl]) -> f64 {
     let few = vpls.iter().step_by(vpls.len().div_ceil(8).max(1));
     let (mut sum, mut count) = (0.0, 0);
     for vpl in few {
-        sum += 1.0 / (f64::from(middle.distance_squared(vpl.position)) + area_m2);
+        let way = middle - vpl.position;
+        let is_before = f64::from(way.dot(vpl.normal)) > -area_m2.sqrt();
+        sum += if is_before { 1.0 / (f64::from(way.length_squared()) + area_m2) } else { 0.0 };
         count += 1;
     }
     sum / f64::from(count.max(1))

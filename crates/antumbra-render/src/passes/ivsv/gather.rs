@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::Vec3;
 
-use super::airlight::{Airlight, Beside};
+use super::airlight::{Airlight, Beside, STEEPEST};
 use super::epipolar::{Epipolar, Place};
 use crate::area::{self, Vpl};
 use crate::surface::Surface;
@@ -84,7 +84,7 @@ impl Gather<'_> {
         // From an angle at the light to theta; nearer to the ray than the light's own radius, by way of the place on the ray.
         let theta = |phi: f32| {
             let exact = phi - FRAC_PI_2 + place.alpha;
-            if beside.h > h { (h / beside.h * exact.clamp(-1.570_79, 1.570_79).tan()).atan() } else { exact }
+            if beside.h > h { (h / beside.h * exact.clamp(-STEEPEST, STEEPEST).tan()).atan() } else { exact }
         };
         let [from, to] = beside.lit(beside.theta(0.0), beside.theta(sample.distance));
         let behind = |phi: f32| beside.behind(self.airlight, theta(phi).clamp(from, to));
@@ -166,7 +166,7 @@ impl Volume {
     }
 
     /// The share of a texel's bits up to an angle that are lit.
-    fn share_lit(&self, texel: usize, end: f32) -> f32 {
+    pub(super) fn share_lit(&self, texel: usize, end: f32) -> f32 {
         let bits = ((end * self.space.phi_scale) as u32).clamp(1, self.space.size.phi);
         let word = |i: u32| {
             let own = self.voxels[texel + i as usize];
@@ -178,7 +178,7 @@ impl Volume {
     }
 
     /// The sum over a texel's lit runs, up to an angle, of differences of a function: one call for each change.
-    fn runs(&self, texel: usize, end: f32, behind: impl Fn(f32) -> f32) -> f32 {
+    pub(super) fn runs(&self, texel: usize, end: f32, behind: impl Fn(f32) -> f32) -> f32 {
         let space = &self.space;
         let end_index = end * space.phi_scale;
         let bits = (end_index.ceil() as u32).clamp(1, space.size.phi);

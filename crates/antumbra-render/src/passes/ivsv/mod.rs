@@ -27,6 +27,9 @@ pub(crate) mod scan;
 pub(crate) mod splat;
 pub(crate) mod traced;
 
+#[cfg(test)]
+mod tests;
+
 use glam::Vec3;
 
 /// What area lights do to a sample.

@@ -14,12 +14,8 @@ pub(crate) fn thresholds(vpl: &Vpl, space: &Epipolar, map: &Map) -> Vec<u32> {
 
 fn threshold(space: &Epipolar, map: &Map, paraboloid: &Paraboloid, theta: u32, phi: u32) -> u32 {
     let angle = space.phi_at(phi);
-    let last = map.side as i32 - 1;
-    let blocked = paraboloid.texel(space.light_ray(space.theta_at(theta), angle)).and_then(|(at, _)| {
-        let texel = at.floor().as_ivec2();
-        let inside = texel.min_element() >= 0 && texel.max_element() <= last;
-        if inside { map.at(texel.x as u32, texel.y as u32) } else { None }
-    });
+    let seen = paraboloid.texel(space.light_ray(space.theta_at(theta), angle));
+    let blocked = seen.and_then(|(at, _)| map.between(at));
     let Some(r) = blocked else { return space.size.alpha };
     let column = (space.alpha_on_light_ray(angle, r) - space.alpha_min) * space.alpha_scale;
     (column.max(0.0) as u32).min(space.size.alpha)

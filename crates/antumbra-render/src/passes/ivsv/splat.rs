@@ -14,6 +14,12 @@ use crate::sampling::hash;
 pub(crate) const EMPTY: u32 = u32::MAX;
 /// Discs are at most this large, texels.
 const MOST_TEXELS: f32 = 4.0;
+/// Coarser copies of a map, from which its holes are filled.
+const FILL_LEVELS: u32 = 3;
+/// A disc is a line, and covers one texel, when the cosine of its normal is less.
+const EDGE_ON: f32 = 0.02;
+/// Neighbouring texels show one surface when their distances differ by less than this share.
+const ONE_SURFACE: f32 = 0.15;
 /// What is lower above the light's own surface casts nothing: its own housing.
 const HORIZON: f32 = 0.02;
 
@@ -22,6 +28,25 @@ const HORIZON: f32 = 0.02;
 pub(crate) struct Map {
     pub side: u32,
     pub texels: Vec<u32>,
+}
+
+/// What a point stands for, as seen from a light.
+struct Disc {
+    away: Vec3,
+    r: f32,
+    radius_m: f32,
+    normal: Vec3,
+}
+
+impl Disc {
+    /// How far away a ray from the light meets it.
+    fn meets(&self, direction: Vec3) -> Option<f32> {
+        let facing = direction.dot(self.normal);
+        let t = self.away.dot(self.normal) / facing;
+        let is_there =
+            facing.abs() > EDGE_ON && (direction * t).distance_squared(self.away) <= self.radius_m * self.radius_m;
+        is_there.then_some(t)
+    }
 }
 
 /// A VPL's axes, and how its directions lie in a map.
@@ -45,6 +70,13 @@ impl Paraboloid {
         let z = direction.dot(self.z);
         let at = Vec2::new(direction.dot(self.x), direction.dot(self.y)) * (self.per_spread / (1.0 + z).max(1e-6));
         (z > HORIZON).then(|| ((at * 0.5 + 0.5) * self.side, z))
+    }
+
+    /// The direction of the middle of a texel.
+    pub fn direction(&self, x: u32, y: u32) -> Vec3 {
+        let at = ((Vec2::new(x as f32, y as f32) + 0.5) * (2.0 / self.side) - 1.0) / self.per_spread;
+        let z = 2.0 / (1.0 + at.length_squared()) - 1.0;
+        (self.x * at.x + self.y * at.y) * (1.0 + z) + self.z * z
     }
 }
 
@@ -74,54 +106,83 @@ impl Map {
             let r = away.length();
             let direction = away / r.max(1e-9);
             let Some((at, z)) = paraboloid.texel(direction) else { continue };
-            // A disc seen at an angle is an ellipse: a circle of its area.
-            let facing = direction.dot(point.normal).abs().max(0.05).sqrt();
             let per_radian = 0.5 * side as f32 / (vpl.spread * (1.0 + z));
-            let radius = (cast.shares[share].radius_m * facing / r * per_radian).min(MOST_TEXELS);
-            map.disc(at, radius, r.to_bits());
+            let radius_m = cast.shares[share].radius_m.min(MOST_TEXELS * r / per_radian);
+            map.disc(&paraboloid, at, radius_m / r * per_radian, &Disc { away, r, radius_m, normal: point.normal });
         }
         map
     }
 
-    /// Draws a disc: the texel it lies in, and those whose middle it covers.
-    fn disc(&mut self, at: Vec2, radius: f32, depth: u32) {
+    /// Draws a disc, each texel as far away as it is there: the texel of its middle, and those whose rays meet it.
+    fn disc(&mut self, paraboloid: &Paraboloid, at: Vec2, radius: f32, disc: &Disc) {
         let side = self.side as i32;
         let (low, high) = ((at - radius).floor().as_ivec2(), (at + radius).floor().as_ivec2());
         let own = at.floor().as_ivec2();
         for y in low.y.max(0)..=high.y.min(side - 1) {
             for x in low.x.max(0)..=high.x.min(side - 1) {
-                let from = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - at;
-                if from.length_squared() <= radius * radius || (x == own.x && y == own.y) {
-                    let texel = &mut self.texels[(y * side + x) as usize];
-                    *texel = depth.min(*texel);
-                }
+                let meets = disc.meets(paraboloid.direction(x as u32, y as u32));
+                let is_own = x == own.x && y == own.y;
+                let Some(r) = meets.or(if is_own { Some(disc.r) } else { None }) else { continue };
+                let texel = &mut self.texels[(y * side + x) as usize];
+                *texel = r.to_bits().min(*texel);
             }
         }
     }
 
-    /// Fills small holes: pull-push over one coarser level (Grossman and Dally 1998, "Point Sample Rendering"). A hole
-    /// takes the mean of its block of 2 x 2 texels, or of the blocks around it that are at least half full.
+    /// Fills holes: pull-push over coarser and coarser copies (Grossman and Dally 1998, "Point Sample Rendering"). A hole
+    /// takes the mean of its block of 2 x 2 texels, of 4 x 4, and so on: of the smallest that is mostly full, so that gaps
+    /// between things stay open.
     pub fn filled(&self) -> Self {
-        let half = self.side / 2;
-        let coarse: Vec<Option<f32>> = (0..half * half)
-            .map(|i| {
-                let (x, y) = (2 * (i % half), 2 * (i / half));
-                let block = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.at(x + dx, y + dy));
-                let (sum, count) =
-                    block.iter().flatten().fold((0.0, 0), |(sum, count), depth| (sum + depth, count + 1));
-                (count >= 2).then(|| sum / count as f32)
-            })
-            .collect();
+        self.filled_over(FILL_LEVELS)
+    }
+
+    fn filled_over(&self, levels: u32) -> Self {
+        if levels == 0 || self.side < 2 {
+            return self.clone();
+        }
+        let coarse = self.pulled().filled_over(levels - 1);
         let fill = |i: u32| {
-            let (x, y) = (i % self.side, i / self.side);
             let own = self.texels[i as usize];
-            if own != EMPTY {
-                return own;
-            }
-            let (bx, by) = ((x / 2).min(half - 1), (y / 2).min(half - 1));
-            coarse[(by * half + bx) as usize].map_or(EMPTY, f32::to_bits)
+            let last = coarse.side - 1;
+            let (x, y) = ((i % self.side / 2).min(last), (i / self.side / 2).min(last));
+            if own == EMPTY { coarse.texels[(y * coarse.side + x) as usize] } else { own }
         };
         Self { side: self.side, texels: (0..self.side * self.side).map(fill).collect() }
+    }
+
+    /// Half the size: the mean of four texels, of which three are there.
+    fn pulled(&self) -> Self {
+        let side = self.side / 2;
+        let mean = |i: u32| {
+            let (x, y) = (2 * (i % side), 2 * (i / side));
+            let block = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.at(x + dx, y + dy));
+            let (sum, count) = block.iter().flatten().fold((0.0, 0), |(sum, count), depth| (sum + depth, count + 1));
+            if count >= 3 { (sum / count as f32).to_bits() } else { EMPTY }
+        };
+        Self { side, texels: (0..side * side).map(mean).collect() }
+    }
+
+    /// Distance at a place: between the middles of four texels of one surface, or else that of the nearest texel. Nothing
+    /// outside the map.
+    pub fn between(&self, at: Vec2) -> Option<f32> {
+        let last = self.side as i32 - 1;
+        let own = at.floor().as_ivec2();
+        if own.min_element() < 0 || own.max_element() > last {
+            return None;
+        }
+        let nearest = self.at(own.x as u32, own.y as u32)?;
+        let first = (at - 0.5).floor();
+        let share = at - 0.5 - first;
+        let mut sum = 0.0;
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let texel = [first.x as i32 + dx, first.y as i32 + dy].map(|i| i.clamp(0, last) as u32);
+            let Some(r) = self.at(texel[0], texel[1]).filter(|r| (r / nearest - 1.0).abs() < ONE_SURFACE) else {
+                return Some(nearest);
+            };
+            let weight = |d: i32, share: f32| if d == 0 { 1.0 - share } else { share };
+            sum += r * weight(dx, share.x) * weight(dy, share.y);
+        }
+        Some(sum)
     }
 
     /// Distance of what a texel shows.
