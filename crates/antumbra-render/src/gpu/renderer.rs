@@ -247,9 +247,12 @@ impl GpuRenderer {
     /// Draws the scene, as [`Renderer::render`] does without gathered light (`ao_samples` of 0).
     ///
     /// # Errors
-    /// [`RenderError`] when the camera or the options make no sense, or the card is lost.
+    /// [`RenderError`] when the camera or the options make no sense or ask for area lights, or the card is lost.
     pub fn render(&mut self, camera: &Camera, options: &RenderOptions, lookup: Lookup) -> Result<Picture, RenderError> {
         options.check()?;
+        if options.area.is_some() {
+            return Err(RenderError::AreaLight("the processor alone draws area lights".to_owned()));
+        }
         self.fog = options.fog;
         let view = View::new(camera, options.width, options.height)?;
         self.light(&view, options.samples, lookup);
