@@ -80,6 +80,9 @@ impl Default for VoxelResolution {
     }
 }
 
+/// Most memory for voxels, all VPLs together: 4 GiB.
+const MOST_BYTES: u64 = 4 << 30;
+
 impl AreaLighting {
     /// These lights with 256 VPLs of 128 samples along each axis.
     #[must_use]
@@ -110,6 +113,12 @@ impl AreaLighting {
         within("points", points, 256, 1 << 20)?;
         if !phi.is_multiple_of(32) {
             return Err(RenderError::AreaLight("its phi resolution is not a multiple of 32".to_owned()));
+        }
+        let bytes = u64::from(self.vpls) * u64::from(alpha) * u64::from(theta) * u64::from(phi) / 8;
+        if self.technique == AreaTechnique::Voxels && bytes > MOST_BYTES {
+            let words =
+                format!("its voxels take {bytes} bytes, more than {MOST_BYTES}: give fewer VPLs, or fewer voxels");
+            return Err(RenderError::AreaLight(words));
         }
         self.lights.iter().try_for_each(AreaLight::check)
     }

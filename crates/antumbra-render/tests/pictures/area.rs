@@ -1,6 +1,6 @@
 //! Lights with a surface, in clear air and in fog.
 
-use antumbra_render::area::{Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique};
+use antumbra_render::area::{Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, VoxelResolution};
 use antumbra_render::{Fog, Picture, RenderError, RenderOptions, ShadowSource, look_at, render};
 use antumbra_scene::{Camera, Material, Scene};
 use glam::DVec3;
@@ -141,6 +141,7 @@ fn lights_that_cannot_be_are_refused() {
     assert!(samples(refused(&|l| l.voxels.phi = 16)) && samples(refused(&|l| l.voxels.points = 0)));
     let light = |error: RenderError| matches!(error, RenderError::AreaLight(_));
     assert!(light(refused(&|l| l.voxels.phi = 100)));
+    assert!(light(refused(&|l| (l.vpls, l.voxels) = (1024, VoxelResolution::cube(512)))));
     assert!(light(refused(&|l| l.lights[0].shape = AreaShape::Disc { radius_m: f64::NAN })));
     assert!(light(refused(&|l| l.lights[0].luminance[1] = -1.0)));
     assert!(light(refused(&|l| l.lights[0].position_world.x = f64::INFINITY)));

@@ -43,8 +43,9 @@ impl Disc {
     fn meets(&self, direction: Vec3) -> Option<f32> {
         let facing = direction.dot(self.normal);
         let t = self.away.dot(self.normal) / facing;
-        let is_there =
-            facing.abs() > EDGE_ON && (direction * t).distance_squared(self.away) <= self.radius_m * self.radius_m;
+        let is_there = t > 0.0
+            && facing.abs() > EDGE_ON
+            && (direction * t).distance_squared(self.away) <= self.radius_m * self.radius_m;
         is_there.then_some(t)
     }
 }
@@ -87,7 +88,7 @@ pub(crate) fn chosen(cast: &Cast, vpl: u32, index: u32, budget: u32) -> (usize, 
     let share = cast.shares.partition_point(|share| share.begin <= at).saturating_sub(1);
     let of = &cast.shares[share];
     // Consecutive ones of a chunk's random order, from where this VPL begins.
-    let turn = (at - of.begin) / stride + hash(vpl ^ hash(share as u32));
+    let turn = ((at - of.begin) / stride).wrapping_add(hash(vpl ^ hash(share as u32)));
     (share, (of.first + turn % of.count) as usize)
 }
 
