@@ -97,6 +97,24 @@ fn without_casters_fog_shines_as_computed_and_as_traced() {
 }
 
 #[test]
+fn shadows_are_right_from_far_outside() {
+    // Farther from the scene than it is large.
+    let camera = look_at(DVec3::new(60.0, 48.0, 96.0), DVec3::ZERO, 0.1).expect("a camera");
+    let of = |technique, vpls| {
+        let area = Some(lighting(technique, vpls));
+        let (width, height, exposure) = (96, 54, Some(1.0));
+        let options =
+            RenderOptions { width, height, samples: 1, ao_samples: 0, exposure, area, ..RenderOptions::default() };
+        render(&cluttered(), &camera, &options, ShadowSource::Traced, SILENT).expect("a picture")
+    };
+    let truth = of(AreaTechnique::Traced, 512);
+    let (voxels, unshadowed) = (of(AreaTechnique::Voxels, 256), of(AreaTechnique::None, 256));
+    let off = [rmse(&voxels, &truth), rmse(&unshadowed, &truth)];
+    println!("from outside: off by {:.4}, without shadows by {:.4}", off[0], off[1]);
+    assert!(off[0] < 0.7 * off[1], "{off:?}");
+}
+
+#[test]
 fn next_to_no_fog_is_no_fog() {
     let scene = cluttered();
     let clear = drawn(&scene, lighting(AreaTechnique::Voxels, 64), None);

@@ -19,8 +19,10 @@ const PHI_BIAS: f32 = -1.0;
 pub(crate) struct Sample<'s> {
     /// Unit vector from the eye.
     pub ray: Vec3,
-    /// How far it looks through fog.
+    /// How far away its surface is; without one, as far as fog reaches.
     pub distance: f32,
+    /// How far it looks through fog: no farther than that.
+    pub fog_m: f32,
     pub surface: Option<&'s Surface>,
 }
 
@@ -48,7 +50,7 @@ impl Gather<'_> {
         let place = space.place(sample.ray, sample.distance);
         let rows = volume.rows(&place, sample.distance, self.interpolate);
         if let Some(surface) = sample.surface {
-            let towards = vpl.position - sample.ray * surface.distance as f32;
+            let towards = vpl.position - sample.ray * sample.distance;
             let r = towards.length().max(1e-9);
             let towards = towards / r;
             let emitted = -vpl.normal.dot(towards);
@@ -86,9 +88,9 @@ impl Gather<'_> {
             let exact = phi - FRAC_PI_2 + place.alpha;
             if beside.h > h { (h / beside.h * exact.clamp(-STEEPEST, STEEPEST).tan()).atan() } else { exact }
         };
-        let [from, to] = beside.lit(beside.theta(0.0), beside.theta(sample.distance));
+        let [from, to] = beside.lit(beside.theta(0.0), beside.theta(sample.fog_m));
         let behind = |phi: f32| beside.behind(self.airlight, theta(phi).clamp(from, to));
-        let end = place.phi;
+        let end = space.place(sample.ray, sample.fog_m).phi;
         let whole = || beside.behind(self.airlight, from) - beside.behind(self.airlight, to);
         match (self.how, rows) {
             (_, Rows::Lit) => whole(),

@@ -1,6 +1,6 @@
 //! Imperfect voxelized shadow volumes on the CPU: the twin of the graphics card's passes.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::airlight::Airlight;
@@ -31,7 +31,9 @@ impl Volumes {
     pub fn new(world: &World<'_>, view: &View, fog: Option<&Fog>, lighting: &AreaLighting) -> Self {
         let bounds = world.tracer.bounds();
         let vpls = sampled(&lighting.lights, lighting.vpls, &bounds, view.eye);
-        let far_m = far_m(world);
+        // From far outside, surfaces are seen behind the end of the fog.
+        let to_corner = |corner: DVec3| corner.distance(view.eye);
+        let far_m = bounds.corners().map(to_corner).into_iter().fold(far_m(world), f64::max);
         let size = lighting.voxels;
         let scene = world.surfaces.scene();
         let cast = match lighting.technique {
@@ -68,8 +70,9 @@ impl Volumes {
     fn sample(&self, gather: &Gather<'_>, world: &World<'_>, texel: &Texel) -> AreaLit {
         let end_m = far_m(world);
         let surface = texel.surface.as_ref();
-        let distance = surface.map_or(end_m, |surface| surface.distance.min(end_m)) as f32;
-        let sample = Sample { ray: texel.direction, distance, surface };
+        let distance = surface.map_or(end_m, |surface| surface.distance);
+        let fog_m = distance.min(end_m) as f32;
+        let sample = Sample { ray: texel.direction, distance: distance as f32, fog_m, surface };
         let mut out = AreaLit::default();
         for volume in &self.volumes {
             let reflected = |towards, irradiance| {
