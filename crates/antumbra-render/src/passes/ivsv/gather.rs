@@ -48,7 +48,9 @@ impl Gather<'_> {
     pub fn add(&self, volume: &Volume, sample: &Sample<'_>, mut reflect: impl FnMut(Vec3, Vec3), air: &mut Vec3) {
         let Volume { vpl, space, .. } = volume;
         let place = space.place(sample.ray, sample.distance);
-        let rows = volume.rows(&place, sample.distance, self.interpolate);
+        // Behind what is no surface nothing stands before the light.
+        let stop = if sample.surface.is_some() { sample.distance } else { f32::INFINITY };
+        let rows = volume.rows(&place, stop, self.interpolate);
         if let Some(surface) = sample.surface {
             let towards = vpl.position - sample.ray * sample.distance;
             let r = towards.length().max(1e-9);
@@ -121,14 +123,14 @@ pub(crate) enum Rows {
 }
 
 impl Volume {
-    fn rows(&self, place: &Place, distance: f32, interpolate: bool) -> Rows {
+    pub(super) fn rows(&self, place: &Place, stop: f32, interpolate: bool) -> Rows {
         let space = &self.space;
         if self.voxels.is_empty() {
             return Rows::Lit;
         }
         // At the epipole a voxel is as long as the ray: what is seen stands before the light, or nothing does.
         if place.alpha * space.alpha_scale < -ALPHA_BIAS {
-            return if distance < space.distance { Rows::Dark } else { Rows::Lit };
+            return if stop < space.distance { Rows::Dark } else { Rows::Lit };
         }
         let column = (place.alpha - space.alpha_min) * space.alpha_scale + ALPHA_BIAS;
         let column = (column.max(0.0) as u32).min(space.size.alpha - 1);

@@ -3,12 +3,13 @@
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 
+use super::airlight::Airlight;
 use super::cloud::Cloud;
 use super::epipolar::Epipolar;
-use super::gather::Volume;
+use super::gather::{Gather, Rows, Sample, Volume};
 use super::splat::{Map, chosen};
 use super::{rectify, scan};
-use crate::area::{VoxelResolution, Vpl};
+use crate::area::{self, VoxelResolution, Vpl};
 use crate::camera::{View, look_at};
 use crate::sampling::hash;
 
@@ -92,6 +93,21 @@ proptest! {
             prop_assert!((volume.share_lit(0, end) - share).abs() < 1e-5);
         }
     }
+}
+
+#[test]
+fn a_light_before_an_open_sky_is_not_hidden() {
+    // The eye looks straight at a light that is farther away than fog reaches; what stands nearer hides it.
+    let (light, airlight) = (vpl(Vec3::NEG_Z * 100.0, Vec3::Z), Airlight::new(0.0));
+    let space = Epipolar::new(&light, &view(DVec3::NEG_Z, 1.0), 20.0, size(32, 32, 32));
+    let volume = Volume { vpl: light, space, voxels: vec![0; 32 * 32] };
+    let gather = Gather { sigma_t: 0.01, airlight: &airlight, how: area::Airlight::Exact, interpolate: true };
+    let mut air = Vec3::ZERO;
+    let sample = Sample { ray: Vec3::NEG_Z, distance: 20.0, fog_m: 20.0, surface: None };
+    gather.add(&volume, &sample, |_, _| {}, &mut air);
+    assert!(air.x > 0.0, "{air}");
+    let rows = |stop| volume.rows(&space.place(Vec3::NEG_Z, 20.0), stop, true);
+    assert!(matches!(rows(20.0), Rows::Dark) && matches!(rows(200.0), Rows::Lit));
 }
 
 /// A wall of 2 x 2 m, at z = -3, and a floor of 24 x 24 m.
