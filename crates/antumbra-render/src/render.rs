@@ -13,8 +13,7 @@ use crate::{
         World,
         ambient::{self, Gathered},
         fog::{self, Fog},
-        gbuffer,
-        ivsv::{self, reference::Volumes},
+        gbuffer, ivsv,
         shade::{
             self,
             reference::{Inputs, Shaded},
@@ -131,8 +130,7 @@ impl<'a> Renderer<'a> {
         let shadows = Shadows::new(&world, shadows, &view);
         let job = Job { world: &world, view, shadows, options, progress, done: AtomicUsize::new(0) };
         let gathered = job.gather();
-        let volumes = job.volumes();
-        let shaded = job.shade(&gathered, volumes.as_ref());
+        let shaded = job.shade(&gathered);
         Ok(job.develop(&shaded))
     }
 }
@@ -178,13 +176,15 @@ impl Job<'_> {
         gathered
     }
 
-    /// Shadow volumes of area lights, where those are not traced.
-    fn volumes(&self) -> Option<Volumes> {
-        let area = self.options.area.as_ref().filter(|area| area.technique != AreaTechnique::Traced)?;
-        Some(Volumes::new(self.world, &self.view, self.options.fog.as_ref(), area))
+    /// What makes the light of area lights, where that is not traced.
+    fn area(&self) -> Option<ivsv::reference::Job<'_>> {
+        let lighting = self.options.area.as_ref().filter(|area| area.technique != AreaTechnique::Traced)?;
+        let Self { world, view, options, .. } = self;
+        Some(ivsv::reference::Job { world, view, fog: options.fog.as_ref(), lighting, samples: options.samples })
     }
 
-    fn shade(&self, gathered: &[Gathered], volumes: Option<&Volumes>) -> Vec<Shaded> {
+    fn shade(&self, gathered: &[Gathered]) -> Vec<Shaded> {
+        let area = self.area().map(|job| (job.gather(&|| self.step()), job));
         self.rows(|y| {
             let texels = gbuffer::reference::row(self.world, &self.view, y, self.options.samples);
             let beams = shadow::reference::row(self.world, &self.shadows, &texels);
@@ -192,8 +192,8 @@ impl Job<'_> {
                 Some(fog) => fog::reference::row(self.world, &self.shadows, fog, self.view.eye, &texels),
                 None => Vec::new(),
             };
-            let area = match (volumes, &self.options.area) {
-                (Some(volumes), _) => volumes.row(self.world, &texels),
+            let area = match (&area, &self.options.area) {
+                (Some((gathered, job)), _) => job.row(gathered, y, &texels),
                 (None, Some(area)) => ivsv::traced::row(
                     self.world,
                     self.view.eye,
@@ -240,8 +240,9 @@ impl Job<'_> {
     }
 
     fn step(&self) {
+        let of_area = self.area().map_or(0, |job| job.rows());
         let passes = if self.options.ao_samples == 0 { 1 } else { 2 };
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        (self.progress)(done, passes * self.view.height as usize);
+        (self.progress)(done, passes * self.view.height as usize + of_area);
     }
 }

@@ -25,8 +25,12 @@ pub struct AreaLighting {
     pub voxels: VoxelResolution,
     /// How the light of the fog is integrated.
     pub airlight: Airlight,
-    /// Whether shadows are interpolated between voxels.
-    pub interpolate: bool,
+    /// How shadows are interpolated between voxels.
+    pub interpolation: Interpolation,
+    /// Which pixels gather what.
+    pub gathering: Gathering,
+    /// Most bytes of shadows at a time: VPLs whose shadows need more come in batches. One VPL's are there in any case.
+    pub budget_bytes: u64,
 }
 
 /// How shadows of area lights are found.
@@ -37,8 +41,37 @@ pub enum AreaTechnique {
     /// Imperfect voxelized shadow volumes: Wyman and Dai (2013).
     #[default]
     Voxels,
+    /// The same, one VPL after the other, each with passes of its own: what Wyman and Dai compare theirs with. The same
+    /// picture, slowly.
+    OneByOne,
+    /// No voxels: view rays look up each VPL's shadow map step by step, as often as a texel has bits.
+    MarchedMaps,
     /// One shadow ray for each of many points of the light and of the view ray: the truth, but for noise.
     Traced,
+}
+
+/// Which samples of a picture gather the light of which VPLs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gathering {
+    /// All of all.
+    #[default]
+    Full,
+    /// Each of 3 x 3 neighbouring pixels that of a ninth; then they share what they found with those that show the same.
+    Interleaved,
+    /// All, for one of 2 x 2 pixels; then those beside it take what those found that show the same.
+    Half,
+}
+
+/// How shadows are interpolated between voxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Not at all: the nearest voxel.
+    None,
+    /// Between planes and bits, as one would write it.
+    Plain,
+    /// The same by few instructions, for graphics cards: Wyman and Dai (2013, appendix A).
+    #[default]
+    Fast,
 }
 
 /// How the light that fog scatters is integrated along a view ray.
@@ -51,16 +84,16 @@ pub enum Airlight {
     Average,
 }
 
-/// Samples of one VPL's shadows along each axis.
+/// Samples of one VPL's shadows along each axis: 32 to 512, multiples of 32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VoxelResolution {
-    /// Texels per side of the shadow map, 32 to 512.
+    /// Texels per side of the shadow map.
     pub map: u32,
-    /// Angles at the eye between its ray and the light, 32 to 512.
+    /// Angles at the eye between its ray and the light.
     pub alpha: u32,
-    /// Planes through the eye and the light, 32 to 512.
+    /// Planes through the eye and the light.
     pub theta: u32,
-    /// Angles at the light between its ray and the eye, 32 to 512, a multiple of 32: one bit each.
+    /// Angles at the light between its ray and the eye: one bit each.
     pub phi: u32,
     /// Points of the scene that are drawn into each shadow map, 256 to 1048576.
     pub points: u32,
@@ -72,6 +105,13 @@ impl VoxelResolution {
     pub fn cube(side: u32) -> Self {
         Self { map: side, alpha: side, theta: side, phi: side, points: side * side / 2 }
     }
+
+    /// Bytes of one VPL's shadows: its map, its light rays' thresholds and its voxels (in whole texels of 128 bits).
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let [map, alpha, theta, phi] = [self.map, self.alpha, self.theta, self.phi].map(u64::from);
+        4 * map * map + 4 * theta * phi + 16 * alpha * theta * phi.div_ceil(128)
+    }
 }
 
 impl Default for VoxelResolution {
@@ -80,8 +120,8 @@ impl Default for VoxelResolution {
     }
 }
 
-/// Most memory for voxels, all VPLs together: 4 GiB.
-const MOST_BYTES: u64 = 4 << 30;
+/// Memory for shadows unless asked for otherwise: those of 256 VPLs of 128 samples along each axis.
+const BUDGET_BYTES: u64 = 128 << 20;
 
 impl AreaLighting {
     /// These lights with 256 VPLs of 128 samples along each axis.
@@ -93,8 +133,16 @@ impl AreaLighting {
             vpls: 256,
             voxels: VoxelResolution::default(),
             airlight: Airlight::default(),
-            interpolate: true,
+            interpolation: Interpolation::default(),
+            gathering: Gathering::default(),
+            budget_bytes: BUDGET_BYTES,
         }
+    }
+
+    /// VPLs at a time.
+    pub(crate) fn batch(&self) -> u32 {
+        let fit = (self.budget_bytes / self.voxels.bytes()).clamp(1, u64::from(self.vpls)) as u32;
+        if self.technique == AreaTechnique::OneByOne { 1 } else { fit }
     }
 
     pub(crate) fn check(&self) -> Result<(), RenderError> {
@@ -109,17 +157,11 @@ impl AreaLighting {
         let VoxelResolution { map, alpha, theta, phi, points } = self.voxels;
         for (name, value) in [("map", map), ("alpha", alpha), ("theta", theta), ("phi", phi)] {
             within(name, value, 32, 512)?;
+            if !value.is_multiple_of(32) {
+                return Err(RenderError::AreaLight(format!("its {name} resolution is not a multiple of 32")));
+            }
         }
         within("points", points, 256, 1 << 20)?;
-        if !phi.is_multiple_of(32) {
-            return Err(RenderError::AreaLight("its phi resolution is not a multiple of 32".to_owned()));
-        }
-        let bytes = u64::from(self.vpls) * u64::from(alpha) * u64::from(theta) * u64::from(phi) / 8;
-        if self.technique == AreaTechnique::Voxels && bytes > MOST_BYTES {
-            let words =
-                format!("its voxels take {bytes} bytes, more than {MOST_BYTES}: give fewer VPLs, or fewer voxels");
-            return Err(RenderError::AreaLight(words));
-        }
         self.lights.iter().try_for_each(AreaLight::check)
     }
 }

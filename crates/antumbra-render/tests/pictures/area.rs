@@ -1,6 +1,6 @@
 //! Lights with a surface, in clear air and in fog.
 
-use antumbra_render::area::{Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, VoxelResolution};
+use antumbra_render::area::{Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Gathering, VoxelResolution};
 use antumbra_render::{Fog, Picture, RenderError, RenderOptions, ShadowSource, look_at, render};
 use antumbra_scene::{Camera, Material, Scene};
 use glam::DVec3;
@@ -115,6 +115,26 @@ fn shadows_are_right_from_far_outside() {
 }
 
 #[test]
+fn batches_make_the_same_picture_and_sharing_nearly_the_same() {
+    let scene = cluttered();
+    let of = |change: &dyn Fn(&mut AreaLighting)| {
+        let mut how = lighting(AreaTechnique::Voxels, 100);
+        how.voxels = VoxelResolution::cube(64);
+        change(&mut how);
+        drawn(&scene, how, Some(0.1))
+    };
+    let full = of(&|_| {});
+    // Batches of 7: sums in the same order.
+    assert_eq!(of(&|how| how.budget_bytes = 7 * how.voxels.bytes()).hdr(), full.hdr());
+    assert_eq!(of(&|how| how.technique = AreaTechnique::OneByOne).hdr(), full.hdr());
+    let marched = rmse(&of(&|how| how.technique = AreaTechnique::MarchedMaps), &full);
+    let interleaved = rmse(&of(&|how| how.gathering = Gathering::Interleaved), &full);
+    let half = rmse(&of(&|how| how.gathering = Gathering::Half), &full);
+    println!("marched maps {marched:.4}, interleaved {interleaved:.4}, half {half:.4}");
+    assert!(marched < 0.15 && interleaved < 0.12 && half < 0.2, "{marched} {interleaved} {half}");
+}
+
+#[test]
 fn next_to_no_fog_is_no_fog() {
     let scene = cluttered();
     let clear = drawn(&scene, lighting(AreaTechnique::Voxels, 64), None);
@@ -159,7 +179,7 @@ fn lights_that_cannot_be_are_refused() {
     assert!(samples(refused(&|l| l.voxels.phi = 16)) && samples(refused(&|l| l.voxels.points = 0)));
     let light = |error: RenderError| matches!(error, RenderError::AreaLight(_));
     assert!(light(refused(&|l| l.voxels.phi = 100)));
-    assert!(light(refused(&|l| (l.vpls, l.voxels) = (1024, VoxelResolution::cube(512)))));
+    assert!(light(refused(&|l| l.voxels.map = 100)));
     assert!(light(refused(&|l| l.lights[0].shape = AreaShape::Disc { radius_m: f64::NAN })));
     assert!(light(refused(&|l| l.lights[0].luminance[1] = -1.0)));
     assert!(light(refused(&|l| l.lights[0].position_world.x = f64::INFINITY)));

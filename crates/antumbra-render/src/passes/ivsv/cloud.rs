@@ -29,6 +29,8 @@ struct Chunk {
     node: usize,
     first: u32,
     count: u32,
+    /// Of its points, in mesh space.
+    middle: [f32; 3],
     /// Of what its points stand for, world, m².
     area_m2: f64,
 }
@@ -49,6 +51,8 @@ pub(crate) struct Placed {
 
 /// A chunk's share of each map's points.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "gpu", derive(bytemuck::Pod, bytemuck::Zeroable))]
+#[repr(C)]
 pub(crate) struct Share {
     /// Where its share begins, of 2^32.
     pub begin: u32,
@@ -111,8 +115,10 @@ impl Cloud {
                     own.swap(i, hash(first + i as u32) as usize % (i + 1));
                 }
                 let count = own.len() as u32;
+                let middle = own.iter().map(|point| Vec3::from(point.position)).sum::<Vec3>() / count as f32;
                 points.extend(own);
-                chunks.push(Chunk { node: chunk[0].0, first, count, area_m2: area_m2 * f64::from(count) });
+                let (node, middle, area_m2) = (chunk[0].0, middle.to_array(), area_m2 * f64::from(count));
+                chunks.push(Chunk { node, first, count, middle, area_m2 });
             }
         }
         Self { points, chunks }
@@ -121,26 +127,40 @@ impl Cloud {
     /// Where the points are, and how many of each chunk's go into each map of `budget` points for these VPLs.
     pub fn cast(&self, nodes: &[Node], eye: DVec3, vpls: &[Vpl], budget: u32) -> Cast {
         let mut points = Vec::with_capacity(self.points.len());
-        let mut wishes = Vec::with_capacity(self.chunks.len());
         for chunk in &self.chunks {
             let node = &nodes[chunk.node];
             let turned = node.world_from_mesh.matrix3.inverse().transpose();
-            let own = &self.points[chunk.first as usize..(chunk.first + chunk.count) as usize];
-            let mut middle = Vec3::ZERO;
-            for point in own {
+            for point in &self.points[chunk.first as usize..(chunk.first + chunk.count) as usize] {
                 let position = (node.world_point(point.position) - eye).as_vec3();
                 let normal = (turned * point.normal.as_dvec3()).normalize_or_zero().as_vec3();
                 points.push(Placed { position, normal });
-                middle += position;
             }
-            wishes.push(chunk.area_m2 * solid_angle(middle / chunk.count as f32, chunk.area_m2, vpls));
         }
-        let shares = self.shares(&wishes, budget);
-        Cast { points, shares }
+        Cast { points, shares: self.shares(nodes, eye, vpls, budget) }
+    }
+
+    /// How many of each chunk's points go into each map of `budget` points for these VPLs.
+    pub fn shares(&self, nodes: &[Node], eye: DVec3, vpls: &[Vpl], budget: u32) -> Vec<Share> {
+        let wish = |chunk: &Chunk| {
+            let middle = (nodes[chunk.node].world_point(chunk.middle) - eye).as_vec3();
+            chunk.area_m2 * solid_angle(middle, chunk.area_m2, vpls)
+        };
+        self.shared(&self.chunks.iter().map(wish).collect::<Vec<_>>(), budget)
+    }
+
+    /// All points in mesh space, with the numbers of their nodes and their normals.
+    #[cfg(feature = "gpu")]
+    pub fn points(&self) -> impl Iterator<Item = ([f32; 3], u32, [f32; 3])> {
+        let of_chunk = |chunk: &Chunk| {
+            let own = &self.points[chunk.first as usize..(chunk.first + chunk.count) as usize];
+            let node = chunk.node as u32;
+            own.iter().map(move |point| (point.position, node, point.normal.to_array()))
+        };
+        self.chunks.iter().flat_map(of_chunk)
     }
 
     /// Shares a budget out by wishes; no chunk gets more than it has points, as long as others can take the rest.
-    fn shares(&self, wishes: &[f64], budget: u32) -> Vec<Share> {
+    fn shared(&self, wishes: &[f64], budget: u32) -> Vec<Share> {
         let count = |i: usize| f64::from(self.chunks[i].count);
         let (mut scale, mut full) = (0.0, vec![false; wishes.len()]);
         for _ in 0..8 {

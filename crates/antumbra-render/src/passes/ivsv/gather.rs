@@ -4,8 +4,10 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::Vec3;
 
+use super::AreaLit;
 use super::airlight::{Airlight, Beside, STEEPEST};
 use super::epipolar::{Epipolar, Place};
+use super::splat::{Map, Paraboloid};
 use crate::area::{self, Vpl};
 use crate::surface::Surface;
 
@@ -35,17 +37,31 @@ pub(crate) struct Gather<'g> {
     pub interpolate: bool,
 }
 
-/// A VPL's voxels in its space.
+/// A VPL, its space, and its shadows.
 pub(crate) struct Volume {
     pub vpl: Vpl,
     pub space: Epipolar,
-    /// See [`super::scan::voxels`]; empty where nothing casts shadows.
-    pub voxels: Vec<u32>,
+    pub shadows: Shadows,
 }
 
+/// What is known of a VPL's shadows.
+pub(crate) enum Shadows {
+    /// Everything is lit.
+    None,
+    /// See [`super::scan::voxels`].
+    Voxels(Vec<u32>),
+    /// Its map, as seen by view rays step by step.
+    Map(Map, Paraboloid),
+}
+
+/// Words of the longest texel.
+const MOST_WORDS: usize = 16;
+/// A map's surfaces shadow what is farther away than they by more than this share.
+const MAP_BIAS: f32 = 0.02;
+
 impl Gather<'_> {
-    /// Adds what a VPL does to a sample: light that its surface gets and where from, and airlight.
-    pub fn add(&self, volume: &Volume, sample: &Sample<'_>, mut reflect: impl FnMut(Vec3, Vec3), air: &mut Vec3) {
+    /// Adds what a VPL does to a sample.
+    pub fn add(&self, volume: &Volume, sample: &Sample<'_>, lit: &mut AreaLit) {
         let Volume { vpl, space, .. } = volume;
         let place = space.place(sample.ray, sample.distance);
         // Behind what is no surface nothing stands before the light.
@@ -57,22 +73,21 @@ impl Gather<'_> {
             let towards = towards / r;
             let emitted = -vpl.normal.dot(towards);
             if emitted > 0.0 && surface.normal.dot(towards) > 0.0 && surface.face_normal.dot(towards) > 0.0 {
-                let visible = volume.visible(&rows, place.phi, self.interpolate);
+                let at = sample.ray * sample.distance;
+                let visible = volume.visible(&rows, at, place.phi, self.interpolate);
                 let clear = (-self.sigma_t * (r - vpl.start_m)).exp();
                 let falloff = emitted * clear / (r * r + vpl.radius_m * vpl.radius_m);
-                if visible > 0.0 {
-                    reflect(towards, vpl.intensity * (falloff * visible));
-                }
+                lit.receive(surface, towards, vpl.intensity * (falloff * visible));
             }
         }
         if self.sigma_t > 0.0 {
-            let lit = self.scattered(volume, sample, &place, &rows);
-            *air += vpl.intensity * (self.sigma_t * lit);
+            let scattered = self.scattered(volume, sample, &place, &rows);
+            lit.airlight += vpl.intensity * (self.sigma_t * scattered);
         }
     }
 
     /// Airlight of a VPL per intensity and scattering.
-    fn scattered(&self, volume: &Volume, sample: &Sample<'_>, place: &Place, rows: &Rows) -> f32 {
+    fn scattered(&self, volume: &Volume, sample: &Sample<'_>, place: &Place, rows: &Rows<'_>) -> f32 {
         let (vpl, space) = (&volume.vpl, &volume.space);
         let foot = space.distance * sample.ray.dot(space.axis);
         let from_light = sample.ray * foot - vpl.position;
@@ -94,72 +109,78 @@ impl Gather<'_> {
         let behind = |phi: f32| beside.behind(self.airlight, theta(phi).clamp(from, to));
         let end = space.place(sample.ray, sample.fog_m).phi;
         let whole = || beside.behind(self.airlight, from) - beside.behind(self.airlight, to);
-        match (self.how, rows) {
-            (_, Rows::Lit) => whole(),
-            (_, Rows::Dark) => 0.0,
-            (area::Airlight::Average, Rows::Texels(first, second, share)) => {
-                let lit = |texel| volume.share_lit(texel, end);
-                whole() * (lit(*first) * (1.0 - share) + lit(*second) * share)
-            }
-            (area::Airlight::Exact, Rows::Texels(first, second, share)) => {
-                let first_lit = volume.runs(*first, end, behind);
-                if *share == 0.0 {
-                    return first_lit;
-                }
-                first_lit * (1.0 - share) + volume.runs(*second, end, behind) * share
+        let texel = |words: &[u32]| match self.how {
+            area::Airlight::Average => whole() * space.share_lit(words, end),
+            area::Airlight::Exact => space.runs(words, end, behind),
+        };
+        match rows {
+            Rows::Lit => whole(),
+            Rows::Dark => 0.0,
+            Rows::Texels(first, _, 0.0) => texel(first),
+            Rows::Texels(first, second, share) => texel(first) * (1.0 - share) + texel(second) * share,
+            Rows::Map(map, paraboloid) => {
+                let words = space.marched(vpl, map, paraboloid, sample.ray, place, end);
+                texel(&words)
             }
         }
     }
 }
 
-/// Which texels a ray reads.
-pub(crate) enum Rows {
-    /// None: nothing is in the way.
+/// What a ray reads.
+pub(crate) enum Rows<'v> {
+    /// Nothing: nothing is in the way.
     Lit,
-    /// None: what is seen stands between the eye and the light.
+    /// Nothing: what is seen stands between the eye and the light.
     Dark,
-    /// Two of neighbouring planes, by their first words, and how much the second counts.
-    Texels(usize, usize, f32),
+    /// Two texels of neighbouring planes, and how much the second counts.
+    Texels(&'v [u32], &'v [u32], f32),
+    /// A map, which is looked up again and again.
+    Map(&'v Map, &'v Paraboloid),
 }
 
 impl Volume {
-    pub(super) fn rows(&self, place: &Place, stop: f32, interpolate: bool) -> Rows {
+    pub(super) fn rows(&self, place: &Place, stop: f32, interpolate: bool) -> Rows<'_> {
         let space = &self.space;
-        if self.voxels.is_empty() {
-            return Rows::Lit;
-        }
+        let voxels = match &self.shadows {
+            Shadows::None => return Rows::Lit,
+            Shadows::Map(map, paraboloid) => return Rows::Map(map, paraboloid),
+            Shadows::Voxels(voxels) => voxels,
+        };
         // At the epipole a voxel is as long as the ray: what is seen stands before the light, or nothing does.
         if place.alpha * space.alpha_scale < -ALPHA_BIAS {
             return if stop < space.distance { Rows::Dark } else { Rows::Lit };
         }
         let column = (place.alpha - space.alpha_min) * space.alpha_scale + ALPHA_BIAS;
         let column = (column.max(0.0) as u32).min(space.size.alpha - 1);
-        let words = space.size.phi / 32;
-        let texel = |row: u32| ((row * space.size.alpha + column) * words) as usize;
+        let words = (space.size.phi / 32) as usize;
+        let texel = |row: u32| {
+            let first = (row * space.size.alpha + column) as usize * words;
+            &voxels[first..first + words]
+        };
         let index = space.theta_index(place.theta);
         if !interpolate {
             let own = texel(space.row(index.floor() as i32));
             return Rows::Texels(own, own, 0.0);
         }
         let first = (index - 0.5).floor();
-        let rows = [first as i32, first as i32 + 1].map(|row| texel(space.row(row)));
-        Rows::Texels(rows[0], rows[1], index - 0.5 - first)
+        let [one, other] = [first as i32, first as i32 + 1].map(|row| texel(space.row(row)));
+        Rows::Texels(one, other, index - 0.5 - first)
     }
 
-    fn is_dark(&self, texel: usize, phi: i32) -> bool {
-        let bit = phi.clamp(0, self.space.size.phi as i32 - 1) as usize;
-        self.voxels[texel + bit / 32] >> (bit % 32) & 1 == 1
-    }
-
-    /// How much of the light arrives at an angle, from 0 to 1.
-    fn visible(&self, rows: &Rows, phi: f32, interpolate: bool) -> f32 {
+    /// How much of the light arrives at a place, from 0 to 1.
+    fn visible(&self, rows: &Rows<'_>, at: Vec3, phi: f32, interpolate: bool) -> f32 {
+        let space = &self.space;
         let (first, second, share) = match rows {
             Rows::Lit => return 1.0,
             Rows::Dark => return 0.0,
+            Rows::Map(map, paraboloid) => return if is_dark(&self.vpl, map, paraboloid, at) { 0.0 } else { 1.0 },
             Rows::Texels(first, second, share) => (*first, *second, *share),
         };
-        let index = phi * self.space.phi_scale + PHI_BIAS;
-        let lit = |texel, bit: f32| if self.is_dark(texel, bit as i32) { 0.0 } else { 1.0 };
+        let index = phi * space.phi_scale + PHI_BIAS;
+        let lit = |texel: &[u32], bit: f32| {
+            let bit = (bit as i32).clamp(0, space.size.phi as i32 - 1) as usize;
+            (texel[bit / 32] >> (bit % 32) & 1 ^ 1) as f32
+        };
         if !interpolate {
             return lit(first, index.floor());
         }
@@ -168,28 +189,56 @@ impl Volume {
         let along = |texel| lit(texel, bit) * (1.0 - weight) + lit(texel, bit + 1.0) * weight;
         along(first) * (1.0 - share) + along(second) * share
     }
+}
+
+/// Whether a place lies in the shadow of what a map shows.
+fn is_dark(vpl: &Vpl, map: &Map, paraboloid: &Paraboloid, at: Vec3) -> bool {
+    let away = at - vpl.position;
+    let r = away.length();
+    let seen = paraboloid.texel(away / r.max(1e-9)).and_then(|(texel, _)| map.between(texel));
+    seen.is_some_and(|blocked| r > blocked * (1.0 + MAP_BIAS))
+}
+
+impl Epipolar {
+    /// The texel of a view ray, up to an angle, found by as many lookups of a map.
+    fn marched(
+        &self,
+        vpl: &Vpl,
+        map: &Map,
+        paraboloid: &Paraboloid,
+        ray: Vec3,
+        place: &Place,
+        end: f32,
+    ) -> [u32; MOST_WORDS] {
+        let mut words = [0; MOST_WORDS];
+        let bits = ((end * self.phi_scale).ceil() as u32).clamp(1, self.size.phi);
+        for bit in 0..bits {
+            let phi = self.phi_at(bit);
+            let t = self.distance * phi.sin() / (place.alpha + phi).sin().max(1e-6);
+            words[bit as usize / 32] |= u32::from(is_dark(vpl, map, paraboloid, ray * t)) << (bit % 32);
+        }
+        words
+    }
 
     /// The share of a texel's bits up to an angle that are lit.
-    pub(super) fn share_lit(&self, texel: usize, end: f32) -> f32 {
-        let bits = ((end * self.space.phi_scale) as u32).clamp(1, self.space.size.phi);
+    pub(super) fn share_lit(&self, words: &[u32], end: f32) -> f32 {
+        let bits = ((end * self.phi_scale) as u32).clamp(1, self.size.phi);
         let word = |i: u32| {
-            let own = self.voxels[texel + i as usize];
             let left = bits - 32 * i;
-            (if left < 32 { own & ((1 << left) - 1) } else { own }).count_ones()
+            (if left < 32 { words[i as usize] & ((1 << left) - 1) } else { words[i as usize] }).count_ones()
         };
         let dark: u32 = (0..bits.div_ceil(32)).map(word).sum();
         1.0 - dark as f32 / bits as f32
     }
 
     /// The sum over a texel's lit runs, up to an angle, of differences of a function: one call for each change.
-    pub(super) fn runs(&self, texel: usize, end: f32, behind: impl Fn(f32) -> f32) -> f32 {
-        let space = &self.space;
-        let end_index = end * space.phi_scale;
-        let bits = (end_index.ceil() as u32).clamp(1, space.size.phi);
-        let mut dark = self.voxels[texel] & 1;
+    pub(super) fn runs(&self, words: &[u32], end: f32, behind: impl Fn(f32) -> f32) -> f32 {
+        let end_index = end * self.phi_scale;
+        let bits = (end_index.ceil() as u32).clamp(1, self.size.phi);
+        let mut dark = words[0] & 1;
         let mut sum = if dark == 0 { behind(0.0) } else { 0.0 };
         for i in 0..bits.div_ceil(32) {
-            let own = self.voxels[texel + i as usize];
+            let own = words[i as usize];
             let mut changes = own ^ (own << 1 | dark);
             while changes != 0 {
                 let bit = 32 * i + changes.trailing_zeros();
@@ -198,7 +247,7 @@ impl Volume {
                     break;
                 }
                 dark ^= 1;
-                let there = behind(bit as f32 / space.phi_scale);
+                let there = behind(bit as f32 / self.phi_scale);
                 sum += if dark == 1 { -there } else { there };
             }
         }

@@ -20,6 +20,7 @@
 pub(crate) mod airlight;
 pub(crate) mod cloud;
 pub(crate) mod epipolar;
+pub(crate) mod filter;
 pub(crate) mod gather;
 pub(crate) mod rectify;
 pub(crate) mod reference;
@@ -30,13 +31,34 @@ pub(crate) mod traced;
 #[cfg(test)]
 mod tests;
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
+
+use crate::passes::shade;
+use crate::surface::Surface;
 
 /// What area lights do to a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct AreaLit {
-    /// What the surface reflects of them towards the eye.
-    pub reflected: Vec3,
+    /// Light that its surface gets, times the cosine of where it comes from.
+    pub irradiance: Vec3,
+    /// What the surface mirrors of it towards the eye.
+    pub glossy: Vec3,
     /// What fog before it scatters towards the eye.
     pub airlight: Vec3,
+}
+
+impl AreaLit {
+    /// Adds light that falls on a surface: its irradiance at right angles.
+    pub fn receive(&mut self, surface: &Surface, towards: Vec3, irradiance: Vec3) {
+        let irradiance = irradiance * shade::reference::incidence(surface, towards);
+        self.irradiance += irradiance;
+        self.glossy += shade::reference::highlight(surface, towards) * irradiance;
+    }
+
+    /// What a surface sends to the eye of it.
+    pub fn reflected(&self, surface: &Surface) -> Vec3 {
+        surface.albedo * (1.0 - surface.metallic) / PI * self.irradiance + self.glossy
+    }
 }

@@ -3,10 +3,11 @@
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
 
+use super::AreaLit;
 use super::airlight::Airlight;
 use super::cloud::Cloud;
 use super::epipolar::Epipolar;
-use super::gather::{Gather, Rows, Sample, Volume};
+use super::gather::{Gather, Rows, Sample, Shadows, Volume};
 use super::splat::{Map, chosen};
 use super::{rectify, scan};
 use crate::area::{self, VoxelResolution, Vpl};
@@ -81,16 +82,15 @@ proptest! {
         let space = Epipolar::new(&vpl(Vec3::NEG_Z, Vec3::Z), &view(DVec3::NEG_Z, 1.0), 20.0, size(32, 32, 128));
         for dark in [bits, bits & sparse, bits | sparse, 0, u128::MAX, 1, 1 << 127, !1] {
             let voxels: Vec<u32> = (0..4).map(|i| (dark >> (32 * i)) as u32).collect();
-            let volume = Volume { vpl: vpl(Vec3::NEG_Z, Vec3::Z), space, voxels };
             let end = index / space.phi_scale;
             // Each bit is as long as the way to the next, the last as far as the end.
             let lit = |i: i32| if dark >> i & 1 == 0 { (index - i as f32).clamp(0.0, 1.0) } else { 0.0 };
             let expected: f32 = (0..128).map(lit).sum();
-            let runs = volume.runs(0, end, |phi| -phi * space.phi_scale);
+            let runs = space.runs(&voxels, end, |phi| -phi * space.phi_scale);
             prop_assert!((runs + expected).abs() < 1e-2 || (runs - expected).abs() < 1e-2, "{runs} {expected}");
             let whole = (index as u32).clamp(1, 128);
             let share = (0..whole).filter(|i| dark >> i & 1 == 0).count() as f32 / whole as f32;
-            prop_assert!((volume.share_lit(0, end) - share).abs() < 1e-5);
+            prop_assert!((space.share_lit(&voxels, end) - share).abs() < 1e-5);
         }
     }
 }
@@ -100,12 +100,12 @@ fn a_light_before_an_open_sky_is_not_hidden() {
     // The eye looks straight at a light that is farther away than fog reaches; what stands nearer hides it.
     let (light, airlight) = (vpl(Vec3::NEG_Z * 100.0, Vec3::Z), Airlight::new(0.0));
     let space = Epipolar::new(&light, &view(DVec3::NEG_Z, 1.0), 20.0, size(32, 32, 32));
-    let volume = Volume { vpl: light, space, voxels: vec![0; 32 * 32] };
+    let volume = Volume { vpl: light, space, shadows: Shadows::Voxels(vec![0; 32 * 32]) };
     let gather = Gather { sigma_t: 0.01, airlight: &airlight, how: area::Airlight::Exact, interpolate: true };
-    let mut air = Vec3::ZERO;
+    let mut lit = AreaLit::default();
     let sample = Sample { ray: Vec3::NEG_Z, distance: 20.0, fog_m: 20.0, surface: None };
-    gather.add(&volume, &sample, |_, _| {}, &mut air);
-    assert!(air.x > 0.0, "{air}");
+    gather.add(&volume, &sample, &mut lit);
+    assert!(lit.airlight.x > 0.0, "{lit:?}");
     let rows = |stop| volume.rows(&space.place(Vec3::NEG_Z, 20.0), stop, true);
     assert!(matches!(rows(20.0), Rows::Dark) && matches!(rows(200.0), Rows::Lit));
 }

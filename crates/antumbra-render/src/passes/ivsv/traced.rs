@@ -5,11 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::AreaLit;
-use super::reference::far_m;
+use super::reference::fog_end_m;
 use crate::area::{AreaLight, AreaLighting, LightPoint};
+use crate::passes::World;
 use crate::passes::fog::{Fog, reference::henyey_greenstein};
 use crate::passes::gbuffer::Texel;
-use crate::passes::{World, shade};
 use crate::sampling::{self, r2};
 use crate::surface::Surface;
 use crate::trace::Ray;
@@ -36,7 +36,7 @@ pub(crate) fn row(
             let truth = Truth { world, eye, fog, light, rays: lighting.vpls, shift };
             out.airlight += truth.airlight(texel);
             if let Some(surface) = &texel.surface {
-                out.reflected += truth.reflected(surface);
+                truth.add(surface, &mut out);
             }
         }
         out
@@ -68,8 +68,7 @@ impl Truth<'_> {
         self.fog.map_or(1.0, |fog| (-fog.density_per_m * way_m).exp())
     }
 
-    fn reflected(&self, surface: &Surface) -> Vec3 {
-        let mut sum = Vec3::ZERO;
+    fn add(&self, surface: &Surface, lit: &mut AreaLit) {
         for index in 0..self.rays {
             let point = self.point(index);
             let way = point.position_world - surface.position;
@@ -83,10 +82,9 @@ impl Truth<'_> {
             let ray = self.world.leaving(surface.position, surface.face_normal, towards).between(0.0, r * (1.0 - 1e-6));
             if self.is_lit(&ray) {
                 let share = emitted * self.clear(r - point.start_m) * point.area_m2 / (r * r) / f64::from(self.rays);
-                sum += shade::reference::reflected(surface, near, point.radiance * share as f32);
+                lit.receive(surface, near, point.radiance * share as f32);
             }
         }
-        sum
     }
 
     /// Single scattering, at points of the ray that lie evenly as seen from the light (Kulla and Fajardo 2012, "Importance
@@ -94,7 +92,7 @@ impl Truth<'_> {
     fn airlight(&self, texel: &Texel) -> Vec3 {
         let Some(fog) = self.fog else { return Vec3::ZERO };
         let direction = texel.direction.as_dvec3().normalize();
-        let end_m = far_m(self.world);
+        let end_m = fog_end_m(self.world);
         let end = texel.surface.as_ref().map_or(end_m, |surface| surface.distance.min(end_m));
         let mut sum = Vec3::ZERO;
         for index in 0..self.rays {

@@ -66,7 +66,7 @@ pub(crate) fn row(world: &World<'_>, view: &View, y: u32, inputs: &Inputs<'_>) -
             };
             let ambient = ambient(world, view, inputs.gathered, [x as u32, y], surface);
             let glow = surface.emissive * world.lighting.glow;
-            let light = lit(world, surface, beams, ambient, glow) + area.reflected;
+            let light = lit(world, surface, beams, ambient, glow) + area.reflected(surface);
             sum.radiance += veil.over(hazy(world, texel, surface, light));
             sum.metered += luminance(light - glow);
         }
@@ -96,7 +96,7 @@ pub(crate) fn reflected(surface: &Surface, towards: Vec3, irradiance: Vec3) -> V
 ///
 /// Chiang, Li and Burley (2019), "Taming the Shadow Terminator": without it coarse smooth meshes end the light in
 /// facets.
-fn incidence(surface: &Surface, towards: Vec3) -> f32 {
+pub(crate) fn incidence(surface: &Surface, towards: Vec3) -> f32 {
     let (smooth, face) = (surface.normal.dot(towards).max(0.0), surface.face_normal.dot(towards).max(0.0));
     let between = surface.normal.dot(surface.face_normal).max(1e-3);
     let g = (face / (smooth * between).max(1e-6)).min(1.0);
@@ -104,7 +104,7 @@ fn incidence(surface: &Surface, towards: Vec3) -> f32 {
 }
 
 /// A light's microfacet reflection.
-fn highlight(surface: &Surface, towards: Vec3) -> Vec3 {
+pub(crate) fn highlight(surface: &Surface, towards: Vec3) -> Vec3 {
     let (n, v, l) = (surface.normal, surface.towards_eye, towards);
     let h = (v + l).normalize_or_zero();
     let (nv, nl) = (n.dot(v).max(1e-3), n.dot(l).max(1e-3));
