@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use antumbra_scene::{Camera, Scene};
+use antumbra_scene::{Camera, Light, Scene};
 use rayon::prelude::*;
 
 use crate::{
@@ -73,6 +73,15 @@ impl RenderOptions {
     }
 }
 
+impl RenderOptions {
+    /// The time that suits these lights and the area lights: night, if there are any of those.
+    #[must_use]
+    pub fn suiting(&self, lights: &[Light]) -> Time {
+        let has_area = self.area.as_ref().is_some_and(|area| !area.lights.is_empty());
+        if has_area { Time::Night } else { Time::suiting(lights) }
+    }
+}
+
 fn within(name: &'static str, value: u32, least: u32, most: u32) -> Result<(), RenderError> {
     if (least..=most).contains(&value) { Ok(()) } else { Err(RenderError::Samples { name, value, least, most }) }
 }
@@ -97,10 +106,10 @@ impl<'a> Renderer<'a> {
         &self.tracer
     }
 
-    /// Irradiance of a typical place that lamps light, by rays from them.
+    /// Irradiance of a typical place that lamps and area lights light, by rays from them.
     #[cfg(feature = "gpu")]
-    pub(crate) fn lamplit(&self, lamps: &[crate::light::Lamp]) -> Option<f32> {
-        crate::passes::lamplit(&self.tracer, &self.surfaces, lamps)
+    pub(crate) fn lamplit(&self, lamps: &[crate::light::Lamp], area: &[crate::area::AreaLight]) -> Option<f32> {
+        crate::passes::lamplit(&self.tracer, &self.surfaces, lamps, area)
     }
 
     /// Names of the scene's lights that give no light with this source of shadows, because the bake lacks them; in the
@@ -125,8 +134,8 @@ impl<'a> Renderer<'a> {
         let view = View::new(camera, options.width, options.height)?;
         let lights = shadows.known(&self.scene.lights)?;
         let area = options.area.as_ref().map_or(&[][..], |area| &area.lights);
-        let suiting = || if area.is_empty() { Time::suiting(&lights) } else { Time::Night };
-        let world = World::new(&self.tracer, &self.surfaces, &lights, area, options.time.unwrap_or_else(suiting));
+        let time = options.time.unwrap_or_else(|| options.suiting(&lights));
+        let world = World::new(&self.tracer, &self.surfaces, &lights, area, time);
         let shadows = Shadows::new(&world, shadows, &view);
         let job = Job { world: &world, view, shadows, options, progress, done: AtomicUsize::new(0) };
         let gathered = job.gather();

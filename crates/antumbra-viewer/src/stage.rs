@@ -57,7 +57,8 @@ impl Stage {
         if bake.is_none() {
             rebuild.start(lights.clone());
         }
-        let setting = Setting { lights: lights.clone(), time: settings.time, bake: None, top_grid: true, rays: None };
+        let setting =
+            Setting { lights: lights.clone(), time: settings.time, bake: None, top_grid: true, area: &[], rays: None };
         Ok(Self {
             renderer: GpuRenderer::new(gpu, Arc::clone(&scene), setting)?,
             bake: bake.map(|file| (Arc::new(file), lights.clone())),
@@ -127,8 +128,14 @@ impl Stage {
         }
         let night = settings.time.unwrap_or_else(|| Time::suiting(&lights)) == Time::Night;
         let rays = night.then(|| Renderer::new(&self.scene));
-        let setting =
-            Setting { lights, time: settings.time, bake, top_grid: settings.has_top_grid, rays: rays.as_ref() };
+        let setting = Setting {
+            lights,
+            time: settings.time,
+            bake,
+            top_grid: settings.has_top_grid,
+            area: &[],
+            rays: rays.as_ref(),
+        };
         self.renderer.relight(setting)?;
         self.lit_by = lit_by;
         Ok(())

@@ -4,10 +4,14 @@
 use std::sync::Arc;
 
 use antumbra::{Filter, Prefilter, ShadowFile};
+use antumbra_render::area::{
+    Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, Gathering, Interpolation, VoxelResolution,
+};
 use antumbra_render::gpu::{Gpu, GpuRenderer, LampLists, Lookup, Setting};
 use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera};
 use antumbra_scene::{Camera, Scene};
 use antumbra_testbed::{baked, first_lights, gpu, procedural};
+use glam::DVec3;
 
 /// A scene with its bake, as both draw it.
 struct Stage {
@@ -38,6 +42,7 @@ impl Stage {
             time: options.time,
             bake,
             top_grid: lists == LampLists::Tiled,
+            area: options.area.as_ref().map_or(&[], |area| &area.lights),
             rays: Some(&rays),
         };
         let mut on_card = GpuRenderer::new(&self.gpu, Arc::clone(&self.scene), setting).expect("a renderer");
@@ -148,4 +153,52 @@ fn what_moves_casts_shadows_over_a_bake() {
     let traced = rays.render(&camera, &day, ShadowSource::Traced, &|_, _| {}).expect("a picture");
     let off = moving.hdr().iter().zip(traced.hdr()).filter(|(a, b)| (a[1] - b[1]).abs() > 0.05).count();
     assert!(off < moving.hdr().len() / 50, "{off} pixels unlike traced shadows");
+}
+
+#[test]
+fn area_lights_are_the_same_in_every_way() {
+    let mut scene = procedural("village", 0.2);
+    scene.lights.clear();
+    let stage = Stage { gpu: gpu(), file: Arc::new(baked(&scene, &[], 256)), scene: Arc::new(scene) };
+    let middle = stage.scene.bounds(|_| true).center();
+    let image = antumbra_scene::Image {
+        name: String::new(),
+        width: 2,
+        height: 1,
+        rgba: [[255, 0, 0, 255], [0, 99, 255, 255]].concat(),
+    };
+    let light = |shape| {
+        let at = middle + DVec3::new(-6.0, 9.0, 4.0);
+        let light = AreaLight::towards(shape, at, middle, [2e4; 3]).expect("a light");
+        AreaLight { emission: Emission::of_image(&image).map(Arc::new), ..light }
+    };
+    let screen = light(AreaShape::Rectangle { width_m: 4.0, height_m: 2.0 });
+    let base = AreaLighting { vpls: 30, voxels: VoxelResolution::cube(64), ..AreaLighting::new(vec![screen]) };
+    let fine = VoxelResolution { phi: 160, theta: 96, ..base.voxels };
+    let many =
+        [AreaShape::Disc { radius_m: 2.0 }, AreaShape::Sphere { radius_m: 1.0 }, AreaShape::Environment].map(light);
+    let of = |change: &dyn Fn(&mut AreaLighting)| {
+        let mut how = base.clone();
+        change(&mut how);
+        how
+    };
+    for (what, area, fog, samples) in [
+        ("clear", of(&|_| {}), None, 1),
+        ("fog", of(&|_| {}), Some(0.02), 2),
+        ("no shadows", of(&|how| how.technique = AreaTechnique::None), Some(0.02), 1),
+        ("one by one", of(&|how| how.technique = AreaTechnique::OneByOne), Some(0.02), 1),
+        ("maps", of(&|how| how.technique = AreaTechnique::MarchedMaps), Some(0.02), 1),
+        ("bit by bit", of(&|how| how.interpolation = Interpolation::Plain), None, 1),
+        ("not interpolated", of(&|how| how.interpolation = Interpolation::None), None, 1),
+        ("average", of(&|how| how.airlight = Airlight::Average), Some(0.02), 1),
+        ("fine", of(&|how| how.voxels = fine), Some(0.02), 1),
+        ("batches", of(&|how| how.budget_bytes = 7 * how.voxels.bytes()), Some(0.02), 2),
+        ("interleaved", of(&|how| how.gathering = Gathering::Interleaved), Some(0.02), 1),
+        ("half", of(&|how| how.gathering = Gathering::Half), Some(0.02), 1),
+        ("disc, sphere, sky", of(&|how| how.lights = many.to_vec()), Some(0.02), 1),
+    ] {
+        let fog = fog.map(|density_per_m| Fog { density_per_m, anisotropy: 0.3 });
+        let options = RenderOptions { area: Some(area), fog, samples, ..options(Time::Night) };
+        stage.compare(what, &options, ShadowSource::None, Lookup::None, LampLists::Tiled);
+    }
 }

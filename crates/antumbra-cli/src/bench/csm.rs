@@ -108,7 +108,8 @@ pub fn run(comparison: Comparison, progress: &Progress) -> Result<Report> {
     let scene = Arc::new(scene);
     let rays = Renderer::new(&scene);
     let cameras = path::cameras(&scene, frames)?;
-    let setting = |bake| Setting { lights: suns.clone(), time: Some(Time::Day), bake, top_grid: true, rays: None };
+    let setting =
+        |bake| Setting { lights: suns.clone(), time: Some(Time::Day), bake, top_grid: true, area: &[], rays: None };
     let mut with_bake = GpuRenderer::new(&gpu, Arc::clone(&scene), setting(Some(Arc::clone(&file))))?;
     let mut with_maps = GpuRenderer::new(&gpu, Arc::clone(&scene), setting(None))?;
     let techniques = techniques()?;

@@ -95,6 +95,7 @@ pub fn run(
         time: Some(Time::Night),
         bake: Some(Arc::clone(&file)),
         top_grid,
+        area: &[],
         rays: Some(&rays),
     };
     let mut renderer = GpuRenderer::new(&gpu, Arc::clone(&scene), setting(true))?;

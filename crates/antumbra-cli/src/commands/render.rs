@@ -143,6 +143,11 @@ pub fn run(args: &Args) -> Result<()> {
             warn_of_policies(&scene, file);
             looked_up(args, file)?
         }
+        _ if args.device == Device::Gpu && !scene.lights.is_empty() => {
+            bail!(
+                "the graphics card traces no rays for the scene's own lights: name a bake with --shadows FILE, or leave out --device gpu"
+            )
+        }
         _ => ShadowSource::Traced,
     };
     let [width, height] = args.size;
@@ -174,14 +179,11 @@ pub fn run(args: &Args) -> Result<()> {
 /// Whether shadows come from a bake; refuses what a later version brings.
 fn is_baked(args: &Args) -> Result<bool> {
     if args.device == Device::Gpu {
-        if args.area.is_there() {
-            bail!("--area-light is drawn on the processor: leave out --device gpu");
-        }
         if args.gather.is_some_and(|rays| rays > 0) {
             bail!("--gather sends rays, which the graphics card does not: leave it out, or --device gpu");
         }
-        let traced = args.technique.map_or(args.shadows.is_none(), |technique| technique == Technique::Traced);
-        if traced {
+        let bare = args.shadows.is_none() && !args.area.is_there();
+        if args.technique.map_or(bare, |technique| technique == Technique::Traced) {
             bail!("the graphics card traces no rays: name a bake with --shadows FILE, or leave out --device gpu");
         }
     }
@@ -274,6 +276,7 @@ fn draw_on_gpu(
     progress.stage("preparing the scene");
     let scene = Arc::new(scene);
     // Rays say how bright lamps make a scene.
+    let area = options.area.as_ref().map_or(&[][..], |area| &area.lights);
     let rays = is_night(&scene, options).then(|| Renderer::new(&scene));
     let lookup = match shadows {
         ShadowSource::Dag { filter, .. } => Lookup::Filter(filter),
@@ -285,14 +288,14 @@ fn draw_on_gpu(
     // Maps shadow all suns, baked or not.
     let bake = bake.filter(|_| !matches!(lookup, Lookup::Maps(..)));
     let setting =
-        Setting { lights: scene.lights.clone(), time: options.time, bake, top_grid: true, rays: rays.as_ref() };
+        Setting { lights: scene.lights.clone(), time: options.time, area, bake, top_grid: true, rays: rays.as_ref() };
     let mut on_gpu = GpuRenderer::new(&gpu, Arc::clone(&scene), setting)?;
     progress.stage("drawing");
     Ok(on_gpu.render(camera, options, lookup)?)
 }
 
 fn is_night(scene: &Scene, options: &RenderOptions) -> bool {
-    options.time.unwrap_or_else(|| Time::suiting(&scene.lights)) == Time::Night
+    options.time.unwrap_or_else(|| options.suiting(&scene.lights)) == Time::Night
 }
 
 /// Says which lights of the scene the bake lacks. Where it has none at all the picture fails, which says enough.

@@ -42,6 +42,18 @@ impl Emission {
         texel(x0, y0).lerp(texel(x1, y0), fx).lerp(texel(x0, y1).lerp(texel(x1, y1), fx), fy)
     }
 
+    /// Texels across and down.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Linear RGB, rows from the top.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn texels(&self) -> &[Vec3] {
+        &self.texels
+    }
+
     /// The mean over all of it.
     #[must_use]
     pub fn mean(&self) -> Vec3 {

@@ -128,7 +128,7 @@ impl AreaLight {
     }
 
     /// Left in the picture, as one sees it who looks at the light.
-    fn left(&self) -> DVec3 {
+    pub(crate) fn left(&self) -> DVec3 {
         self.direction_world.cross(self.up_world)
     }
 
@@ -240,12 +240,15 @@ fn halton(index: u32) -> DVec2 {
 
 /// Virtual point lights of some lights, shared out by power; relative to an eye.
 pub(crate) fn sampled(lights: &[AreaLight], vpls: u32, scene: &Bounds, eye: DVec3) -> Vec<Vpl> {
-    let powers: Vec<f64> = lights.iter().map(|light| light.power(scene)).collect();
+    let mut powers: Vec<f64> = lights.iter().map(|light| light.power(scene)).collect();
+    if powers.iter().all(|power| *power == 0.0) {
+        powers.fill(1.0);
+    }
     let all: f64 = powers.iter().sum();
     let mut out = Vec::with_capacity(vpls as usize);
     let mut before = 0.0;
     for (light, power) in lights.iter().zip(powers) {
-        let share = |sum: f64| if all > 0.0 { (f64::from(vpls) * sum / all).round() as u32 } else { 0 };
+        let share = |sum: f64| (f64::from(vpls) * sum / all).round() as u32;
         let count = share(before + power) - share(before);
         before += power;
         out.extend((0..count).map(|i| Vpl::new(&light.point(halton(i), scene), count, eye)));

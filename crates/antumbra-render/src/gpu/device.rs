@@ -259,12 +259,17 @@ impl Kernel {
         encoder: &mut wgpu::CommandEncoder,
         timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
         groups: &[&wgpu::BindGroup],
-        [x, y, z]: [u32; 3],
+        workgroups: [u32; 3],
     ) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(&self.label),
             timestamp_writes: timestamps,
         });
+        self.record(&mut pass, groups, workgroups);
+    }
+
+    /// Records so many workgroups in a pass.
+    pub(crate) fn record(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[&wgpu::BindGroup], [x, y, z]: [u32; 3]) {
         pass.set_pipeline(&self.pipeline);
         for (i, group) in groups.iter().enumerate() {
             pass.set_bind_group(i as u32, *group, &[]);

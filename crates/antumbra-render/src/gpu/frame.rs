@@ -45,7 +45,7 @@ pub(crate) struct Frame {
     pub fog_per_m: f32,
     pub fog_end_m: f32,
     pub fog_anisotropy: f32,
-    pub pad: u32,
+    pub area_lights: u32,
 }
 
 /// Three numbers and a 0.

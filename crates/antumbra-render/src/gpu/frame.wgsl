@@ -49,7 +49,8 @@ struct Frame {
     fog_per_m: f32,
     fog_end_m: f32,
     fog_anisotropy: f32,
-    pad: u32,
+    // Lights with a surface.
+    area_lights: u32,
 }
 
 // The ray through a point of the picture, in pixels from the upper left corner; its part along `forward` is 1.

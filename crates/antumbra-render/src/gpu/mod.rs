@@ -2,6 +2,7 @@
 //!
 //! Its passes are the twins of those on the CPU, in the same folders, and give the same pictures.
 
+mod area;
 mod baked;
 mod blit;
 mod csm;

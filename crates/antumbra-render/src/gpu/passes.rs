@@ -3,6 +3,7 @@
 use super::scene::GEOMETRY_SLOTS;
 use super::targets::{DEPTH_FORMAT, VISIBLE_FORMAT};
 use super::{Gpu, Kernel, Slot};
+use crate::area::{Gathering, Interpolation};
 
 const FRAME: &str = include_str!("frame.wgsl");
 const TEXEL: &str = include_str!("../passes/gbuffer/texel.wgsl");
@@ -26,6 +27,10 @@ const BOXES: &str = include_str!("../passes/lamps/boxes.wgsl");
 const CLUSTERS: &str = include_str!("../passes/lamps/clusters.wgsl");
 const LISTS: &str = include_str!("../passes/lamps/lists.wgsl");
 const LAMPS: &str = include_str!("../passes/lamps/lamps.wgsl");
+const VPL: &str = include_str!("../passes/ivsv/vpl.wgsl");
+const MAP: &str = include_str!("../passes/ivsv/map.wgsl");
+const AIRLIGHT: &str = include_str!("../passes/ivsv/airlight.wgsl");
+const LIGHTS: &str = include_str!("../passes/ivsv/lights.wgsl");
 const CONSTANTS: &str = "const PI: f32 = 3.14159265;";
 
 use Slot::{DepthLayers, Read, Uints, Write};
@@ -58,6 +63,93 @@ pub(crate) fn sources(lookups: &str, way: Way) -> Vec<(&'static str, String)> {
         ("light lists", [FRAME, LAMP, LISTS].concat()),
         ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LOOKUP, LAMPS].concat()),
     ]
+}
+
+/// How area lights' shadows are looked up and gathered: constants of `gather.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GatherWay {
+    /// 0 none, 1 in voxels, 2 in maps.
+    pub shadows: u32,
+    pub gathering: Gathering,
+    pub interpolation: Interpolation,
+    pub is_exact: bool,
+    /// Texels of 128 bits along phi.
+    pub quads: u32,
+}
+
+/// The text of each pass of area lights.
+pub(crate) fn area_sources(way: GatherWay) -> Vec<(&'static str, String)> {
+    let GatherWay { shadows, quads, is_exact, .. } = way;
+    let gathering = way.gathering as u32;
+    let interpolation = way.interpolation as u32;
+    let constants = format!(
+        "{CONSTANTS}\nconst SHADOWS: u32 = {shadows}u;\nconst GATHERING: u32 = {gathering}u;\n\
+         const INTERPOLATION: u32 = {interpolation}u;\nconst EXACT: bool = {is_exact};\nconst QUADS: u32 = {quads}u;\n"
+    );
+    let own = |name, parts: &[&str]| (name, [&[VPL], parts].concat().concat());
+    vec![
+        own("place points", &[include_str!("../passes/ivsv/place.wgsl")]),
+        own("clear maps", &[include_str!("../passes/ivsv/clear.wgsl")]),
+        own("splat", &[FRAME, include_str!("../passes/ivsv/splat.wgsl")]),
+        own("fill", &[include_str!("../passes/ivsv/fill.wgsl")]),
+        own("rectify", &[MAP, include_str!("../passes/ivsv/rectify.wgsl")]),
+        own("scan", &[include_str!("../passes/ivsv/scan.wgsl")]),
+        own("begin", &[include_str!("../passes/ivsv/begin.wgsl")]),
+        own("extrude", &[include_str!("../passes/ivsv/extrude.wgsl")]),
+        own("gather", &[&constants, FRAME, TEXEL, BRDF, MAP, AIRLIGHT, include_str!("../passes/ivsv/gather.wgsl")]),
+        ("light surfaces", [CONSTANTS, FRAME, TEXEL, LIGHTS, include_str!("../passes/ivsv/show.wgsl")].concat()),
+        ("share", [&constants, FRAME, TEXEL, LIGHTS, include_str!("../passes/ivsv/share.wgsl")].concat()),
+    ]
+}
+
+/// Programs of area lights that do not depend on how they are gathered.
+#[derive(Debug)]
+pub(crate) struct AreaPasses {
+    pub place: Kernel,
+    pub clear: Kernel,
+    pub splat: Kernel,
+    pub fill: Kernel,
+    pub rectify: Kernel,
+    pub scan: Kernel,
+    pub begin: Kernel,
+    pub extrude: Kernel,
+    pub show: Kernel,
+}
+
+/// Programs that gather the light of area lights in one way.
+#[derive(Debug)]
+pub(crate) struct AreaGather {
+    pub gather: Kernel,
+    pub share: Kernel,
+}
+
+impl AreaPasses {
+    pub fn new(gpu: &Gpu, way: GatherWay) -> Self {
+        let sources = area_sources(way);
+        let kernel = |name: &str, slots: &[Slot]| gpu.kernel(name, source(&sources, name), &[slots]);
+        Self {
+            place: kernel("place points", &[Read, Read, Read, Write]),
+            clear: kernel("clear maps", &[Read, Write]),
+            splat: kernel("splat", &[Read, Read, Read, Read, Write]),
+            fill: kernel("fill", &[Read, Write]),
+            rectify: kernel("rectify", &[Read, Read, Read, Write]),
+            scan: kernel("scan", &[Read, Read, Write]),
+            begin: kernel("begin", &[Read, Read, Write]),
+            extrude: kernel("extrude", &[Read, Read, Write, Read]),
+            show: kernel("light surfaces", &[Read, Read, Read, Write]),
+        }
+    }
+}
+
+impl AreaGather {
+    pub fn new(gpu: &Gpu, way: GatherWay) -> Self {
+        let sources = area_sources(way);
+        let kernel = |name: &str, slots: &[Slot]| gpu.kernel(name, source(&sources, name), &[slots]);
+        Self {
+            gather: kernel("gather", &[Read, Read, Read, Read, Read, Read, Read, Write]),
+            share: kernel("share", &[Read, Read, Read, Read, Read, Write]),
+        }
+    }
 }
 
 /// Programs that do not depend on the bake.
@@ -94,7 +186,7 @@ impl Passes {
             raster: Raster::new(gpu, source(&sources, "raster")),
             shadow_map: DepthRaster::new(gpu, source(&sources, "shadow map")),
             resolve: kernel("resolve", &[&GEOMETRY_SLOTS, &[Uints, Write]]),
-            shade: kernel("shading", &[&[Read, Read, Read, Read, Read, Write, Read]]),
+            shade: kernel("shading", &[&[Read, Read, Read, Read, Read, Write, Read, Read]]),
             tonemap: kernel("tone mapping", &[&[Read, Read, Write]]),
             meter: kernel("meter", &[&[Read, Read, Write]]),
             boxes: kernel("tile boxes", &[&[Read, Read, Write]]),
@@ -221,18 +313,21 @@ mod tests {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
 
     use super::*;
+    use crate::gpu::area::{Batch, GpuAreaLight, GpuVpl};
     use crate::gpu::csm::GpuCascade;
     use crate::gpu::frame::{Frame, GpuLamp};
+    use crate::passes::ivsv::cloud::Share;
+
+    fn parsed((name, text): (&'static str, String)) -> (&'static str, naga::Module) {
+        let module =
+            naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32);
+        validator.validate(&module).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
+        (name, module)
+    }
 
     fn modules() -> Vec<(&'static str, naga::Module)> {
         let lookups = shaders::source(&shaders::Lookup { group: 1, binding: 1, ..shaders::Lookup::default() });
-        let parsed = |(name, text): (&'static str, String)| {
-            let module =
-                naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
-            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32);
-            validator.validate(&module).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(&text)));
-            (name, module)
-        };
         let ways = (0..6).map(|shadow| Way { shadow, has_maps: shadow % 2 == 1 });
         ways.flat_map(|way| sources(&lookups, way)).map(parsed).collect()
     }
@@ -255,7 +350,7 @@ mod tests {
     fn passes_are_valid_and_their_structs_lie_in_memory_as_here() {
         let frame = offsets!(Frame: right up forward size sample samples jitter footprint near visible_m glow suns stars
             towards_sun sun_azimuth plain overhead disc exposure lamps radius kernel sun_tangent tile tiles_x layers
-            list_words first_layer_m layer_ratio cascades fog_per_m fog_end_m fog_anisotropy pad);
+            list_words first_layer_m layer_ratio cascades fog_per_m fog_end_m fog_anisotropy area_lights);
         let mut found = [0; 4];
         for (name, module) in modules() {
             if let Some(there) = layout(&module, "Frame") {
@@ -278,5 +373,42 @@ mod tests {
             }
         }
         assert_eq!(found, [12, 4, 6, 3].map(|n| 6 * n));
+    }
+
+    #[test]
+    fn passes_of_area_lights_are_valid_and_their_structs_lie_in_memory_as_here() {
+        let mut found = [0; 4];
+        for i in 0..54 {
+            let way = GatherWay {
+                shadows: i % 3,
+                gathering: [Gathering::Full, Gathering::Interleaved, Gathering::Half][i as usize / 3 % 3],
+                interpolation: [Interpolation::None, Interpolation::Plain, Interpolation::Fast][i as usize / 9 % 3],
+                is_exact: i % 2 == 0,
+                quads: 1 + i / 27 * 3,
+            };
+            for (name, module) in area_sources(way).into_iter().map(parsed) {
+                let expected = [
+                    (
+                        "Vpl",
+                        offsets!(GpuVpl: position radius_m normal start_m intensity per_spread x distance y alpha_min
+                        axis theta_min across alpha_scale along theta_scale phi_scale wraps pad_0 pad_1),
+                    ),
+                    ("Batch", offsets!(Batch: first count map alpha theta phi quads points shares cloud pad_0 pad_1)),
+                    (
+                        "AreaLight",
+                        offsets!(GpuAreaLight: position shape direction width_m up height_m left texels
+                        radiance picture),
+                    ),
+                    ("Share", offsets!(Share: begin first count radius_m)),
+                ];
+                for ((name_of, here), found) in expected.into_iter().zip(&mut found) {
+                    if let Some(there) = layout(&module, name_of) {
+                        assert_eq!(there, here, "{name}: {name_of}");
+                        *found += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(found, [9, 9, 2, 1].map(|n| 54 * n));
     }
 }

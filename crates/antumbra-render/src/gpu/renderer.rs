@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use antumbra::{Filter, Kernel as FilterKernel, LightShadow, Prefilter, ShadowFile};
-use antumbra_scene::{Bounds, Camera, Light, Scene};
-use glam::{DVec2, DVec3, Vec3};
+use antumbra_scene::{Bounds, Camera, Light, Node, Scene};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 
+use super::area::{Area, Sample, Seen};
 use super::baked::Baked;
 use super::blit::Blit;
 use super::csm::Maps;
@@ -15,6 +16,7 @@ use super::scene::SceneBuffers;
 use super::targets::Targets;
 use super::timing::{PassTime, Recorder, Timer};
 use super::{Gpu, Kernel};
+use crate::area::{AreaLight, AreaLighting, AreaTechnique};
 use crate::camera::View;
 use crate::passes::csm::Casters;
 use crate::passes::shade::reference::Shaded;
@@ -68,6 +70,11 @@ pub struct GpuRenderer {
     pub lamp_lists: LampLists,
     /// Fog in the air.
     pub fog: Option<Fog>,
+    /// Lights with a surface, and how their shadows are found; traced ones are drawn without.
+    pub area_lights: Option<AreaLighting>,
+    pub(super) area: Option<Area>,
+    /// The scene's, where they are now.
+    nodes: Vec<Node>,
 }
 
 /// The light of a scene, and its shadows, on the card.
@@ -145,6 +152,8 @@ pub struct Setting<'r> {
     pub lights: Vec<Light>,
     /// Day or night; `None` for what suits the lights.
     pub time: Option<Time>,
+    /// Lights with a surface: how bright they make the scene. See [`GpuRenderer::area_lights`].
+    pub area: &'r [AreaLight],
     /// The bake, if there is one.
     pub bake: Option<Arc<ShadowFile>>,
     /// Whether lookups begin at the top grid: faster, the same answers.
@@ -172,6 +181,9 @@ impl GpuRenderer {
             bounds: scene.bounds(|_| true),
             lamp_lists: LampLists::default(),
             fog: None,
+            area_lights: None,
+            area: None,
+            nodes: scene.nodes.clone(),
             gpu: gpu.clone(),
             scene,
         })
@@ -212,7 +224,7 @@ impl GpuRenderer {
         exposure: f32,
     ) -> Result<(), RenderError> {
         let view = View::new(camera, size[0], size[1])?;
-        self.light(&view, samples.max(1), lookup);
+        self.light(&view, samples.max(1), lookup)?;
         self.develop(&view, samples.max(1), exposure);
         Ok(())
     }
@@ -247,15 +259,16 @@ impl GpuRenderer {
     /// Draws the scene, as [`Renderer::render`] does without gathered light (`ao_samples` of 0).
     ///
     /// # Errors
-    /// [`RenderError`] when the camera or the options make no sense or ask for area lights, or the card is lost.
+    /// [`RenderError`] when the camera or the options make no sense or ask for traced area lights, or the card is lost.
     pub fn render(&mut self, camera: &Camera, options: &RenderOptions, lookup: Lookup) -> Result<Picture, RenderError> {
         options.check()?;
-        if options.area.is_some() {
-            return Err(RenderError::AreaLight("the processor alone draws area lights".to_owned()));
+        if options.area.as_ref().is_some_and(|area| area.technique == AreaTechnique::Traced) {
+            return Err(RenderError::AreaLight("the processor alone traces area lights".to_owned()));
         }
         self.fog = options.fog;
+        self.area_lights.clone_from(&options.area);
         let view = View::new(camera, options.width, options.height)?;
-        self.light(&view, options.samples, lookup);
+        self.light(&view, options.samples, lookup)?;
         let exposure = match options.exposure {
             Some(exposure) => exposure,
             None => tonemap::reference::exposure(&self.lit.lighting, &self.shaded(options.samples)?),
@@ -265,9 +278,9 @@ impl GpuRenderer {
     }
 
     /// Renders a camera's view into the HDR buffer; nothing is read back.
-    pub(crate) fn light(&mut self, view: &View, samples: u32, lookup: Lookup) {
+    pub(crate) fn light(&mut self, view: &View, samples: u32, lookup: Lookup) -> Result<(), RenderError> {
         self.timer.begin_frame();
-        self.buffers.place(&self.gpu, &self.scene, view.eye);
+        self.buffers.place(&self.gpu, &self.nodes, view.eye);
         self.lit.see_from(&self.gpu, view.eye);
         for sample in 0..samples {
             let mut frame = Frame::new(view, &self.lit.lighting, sample, samples, r2(sample));
@@ -275,8 +288,9 @@ impl GpuRenderer {
             if let Some(fog) = self.fog {
                 frame.fog_per_m = fog.density_per_m as f32;
                 frame.fog_anisotropy = fog.anisotropy as f32;
-                frame.fog_end_m = self.lit.lighting.diagonal_m as f32;
             }
+            frame.fog_end_m = self.lit.lighting.diagonal_m as f32;
+            frame.area_lights = self.area_lights.as_ref().map_or(0, |how| how.lights.len() as u32);
             self.set_lists(&mut frame);
             if !self.targets.as_ref().is_some_and(|targets| targets.suit(&frame)) {
                 self.targets = Some(Targets::new(&self.gpu, &frame));
@@ -285,6 +299,9 @@ impl GpuRenderer {
             frame.cascades = maps.map_or(0, |(cascades, _)| cascades.count);
             let way = Way { shadow: code(lookup), has_maps: maps.is_some() };
             self.lit.prepare(&self.gpu, way);
+            if frame.area_lights > 0 && sample == 0 {
+                self.begin_area(view, &frame)?;
+            }
             self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
             let mut timer = std::mem::replace(&mut self.timer, Timer::off());
             let mut recorder = Recorder::new(&self.gpu, &mut timer);
@@ -294,6 +311,25 @@ impl GpuRenderer {
             self.draw(&mut recorder, &frame, way);
             recorder.submit();
             self.timer = timer;
+        }
+        Ok(())
+    }
+
+    /// Gets ready for area lights, as a view sees them.
+    fn begin_area(&mut self, view: &View, frame: &Frame) -> Result<(), RenderError> {
+        let Some(how) = &self.area_lights else { return Ok(()) };
+        let area = self.area.get_or_insert_with(|| Area::new(&self.gpu, &self.scene));
+        let fog_end_m = self.lit.lighting.diagonal_m;
+        let seen = Seen { view, bounds: &self.bounds, nodes: &self.nodes, fog_end_m };
+        area.begin(&self.gpu, how, frame, &seen)
+    }
+
+    /// Moves a node of the scene: from the next frame on it is drawn and casts area lights' shadows where it is then.
+    /// Baked shadows move only with nodes that are dynamic.
+    pub fn move_node(&mut self, node: usize, world_from_mesh: DAffine3) {
+        if let Some(moved) = self.nodes.get_mut(node) {
+            moved.world_from_mesh = world_from_mesh;
+            self.buffers.moved(&self.scene, node, moved);
         }
     }
 
@@ -366,6 +402,12 @@ impl GpuRenderer {
         let seen = [wgpu::BindingResource::TextureView(&targets.visible_part), gbuffer.as_entire_binding()];
         let seen = gpu.group(&passes.resolve.layouts[1], &seen);
         recorder.compute("resolve", &passes.resolve, &[&geometry, &seen], tiles(*size));
+        let by_area = self.area_lights.as_ref().zip(self.area.as_ref()).filter(|_| values.area_lights > 0);
+        if let Some((how, area)) = by_area {
+            let sample = Sample { gpu, how, frame: values, frame_buffer: frame, targets, scene: buffers };
+            area.show(recorder, &sample);
+            area.light(recorder, &sample);
+        }
         let (baked, maps) = (baked.resources(), maps.resources());
         if values.fog_per_m > 0.0 {
             let own = [frame, gbuffer, suns, veils];
@@ -375,7 +417,7 @@ impl GpuRenderer {
             let own = [frame, gbuffer, suns, sunlit];
             run(gpu, recorder, &lookups.sun, "sun shadows", &own, &[&baked, &maps], *size);
         }
-        let own = [frame, gbuffer, sky, suns, sunlit, hdr, veils];
+        let own = [frame, gbuffer, sky, suns, sunlit, hdr, veils, &targets.area];
         run(gpu, recorder, &passes.shade, "shading", &own, &[], *size);
         let Some(lists) = lists.as_ref().filter(|_| values.lamps > 0) else { return };
         if values.layers == 0 {
@@ -435,11 +477,12 @@ impl GpuRenderer {
 
 /// A scene's lights, those of them whose shadows are known.
 fn lit(gpu: &Gpu, scene: &Scene, setting: Setting<'_>) -> Result<Lit, RenderError> {
-    let Setting { lights, time, bake, top_grid, rays } = setting;
+    let Setting { lights, time, area, bake, top_grid, rays } = setting;
     let known = bake.as_deref().map_or(ShadowSource::None, ShadowSource::of_file).known(&lights)?;
-    let time = time.unwrap_or_else(|| Time::suiting(&known));
+    let suiting = || if area.is_empty() { Time::suiting(&known) } else { Time::Night };
+    let time = time.unwrap_or_else(suiting);
     let diagonal_m = scene.bounds(|_| true).diagonal();
-    let lighting = Lighting::new(&known, time, diagonal_m, |lamps| rays?.lamplit(lamps));
+    let lighting = Lighting::new(&known, time, diagonal_m, |lamps| rays?.lamplit(lamps, area));
     Lit::new(gpu, lighting, bake, top_grid)
 }
 

@@ -1,6 +1,6 @@
 //! A scene on the graphics card: meshes once, however many nodes place them; materials and textures as words.
 
-use antumbra_scene::{AlphaMode, AlphaTest, Bounds, Material, Primitive, Scene, Wrap};
+use antumbra_scene::{AlphaMode, AlphaTest, Bounds, Material, Node, Primitive, Scene, Wrap};
 use glam::DVec3;
 
 use super::{Gpu, Slot};
@@ -15,7 +15,8 @@ const NONE: u32 = u32::MAX;
 pub(crate) struct SceneBuffers {
     geometry: wgpu::Buffer,
     tables: wgpu::Buffer,
-    nodes: wgpu::Buffer,
+    /// Three rows for each node: see [`SceneBuffers::place`].
+    pub nodes: wgpu::Buffer,
     indices: wgpu::Buffer,
     positions: wgpu::Buffer,
     attributes: wgpu::Buffer,
@@ -35,6 +36,7 @@ pub(crate) struct DrawnPart {
     pub is_translucent: bool,
     /// Whether its node moves.
     pub is_dynamic: bool,
+    pub node: usize,
     /// A sphere about it, world, metres.
     pub center: DVec3,
     pub radius_m: f64,
@@ -77,8 +79,8 @@ impl SceneBuffers {
     }
 
     /// Places the nodes relative to the eye.
-    pub fn place(&self, gpu: &Gpu, scene: &Scene, eye: DVec3) {
-        let row = |node: &antumbra_scene::Node| -> [[f32; 4]; 3] {
+    pub fn place(&self, gpu: &Gpu, nodes: &[Node], eye: DVec3) {
+        let row = |node: &Node| -> [[f32; 4]; 3] {
             let m = &node.world_from_mesh;
             let offset = m.translation - eye;
             [0, 1, 2].map(|i| {
@@ -86,9 +88,17 @@ impl SceneBuffers {
                 [r.x as f32, r.y as f32, r.z as f32, offset[i] as f32]
             })
         };
-        let rows: Vec<_> = scene.nodes.iter().map(row).collect();
+        let rows: Vec<_> = nodes.iter().map(row).collect();
         if !rows.is_empty() {
             gpu.queue.write_buffer(&self.nodes, 0, bytemuck::cast_slice(&rows));
+        }
+    }
+
+    /// Notes that a node has moved.
+    pub fn moved(&mut self, scene: &Scene, number: usize, node: &Node) {
+        let own = self.parts.iter_mut().filter(|part| part.node == number);
+        for (part, primitive) in own.zip(&scene.meshes[node.mesh].primitives) {
+            (part.center, part.radius_m) = sphere(primitive, node);
         }
     }
 
@@ -153,6 +163,13 @@ impl Words {
     }
 }
 
+/// A sphere about a primitive where a node places it.
+fn sphere(primitive: &Primitive, node: &Node) -> (DVec3, f64) {
+    let mut bounds = Bounds::EMPTY;
+    primitive.positions.iter().for_each(|p| bounds.insert(node.world_point(*p)));
+    (if bounds.is_empty() { DVec3::ZERO } else { bounds.center() }, 0.5 * bounds.diagonal())
+}
+
 /// The table of parts, and how to draw them.
 fn part_rows(scene: &Scene, placed: &[Vec<Placed>]) -> (Vec<u32>, Vec<DrawnPart>) {
     let (mut rows, mut parts, mut first_triangle) = (Vec::new(), Vec::new(), 0u32);
@@ -163,8 +180,7 @@ fn part_rows(scene: &Scene, placed: &[Vec<Placed>]) -> (Vec<u32>, Vec<DrawnPart>
             let index = primitive.material.unwrap_or(default_material);
             let alpha = scene.material(primitive).alpha_mode;
             let triangles = primitive.triangles.len() as u32;
-            let mut bounds = Bounds::EMPTY;
-            primitive.positions.iter().for_each(|p| bounds.insert(node.world_point(*p)));
+            let (center, radius_m) = sphere(primitive, node);
             rows.extend([at.first_index, at.first_vertex, at.normals, at.texcoords, at.colors]);
             rows.extend([index as u32, n as u32, first_triangle, 0, 0, 0, 0]);
             parts.push(DrawnPart {
@@ -172,8 +188,9 @@ fn part_rows(scene: &Scene, placed: &[Vec<Placed>]) -> (Vec<u32>, Vec<DrawnPart>
                 is_cut_out: alpha == AlphaMode::Blend || AlphaTest::new(scene, primitive).is_some(),
                 is_translucent: alpha == AlphaMode::Blend,
                 is_dynamic: node.dynamic,
-                center: if bounds.is_empty() { DVec3::ZERO } else { bounds.center() },
-                radius_m: 0.5 * bounds.diagonal(),
+                node: n,
+                center,
+                radius_m,
             });
             first_triangle = first_triangle.wrapping_add(triangles);
         }

@@ -17,6 +17,7 @@ pub(crate) struct Targets {
     pub size: [u32; 2],
     suns: u32,
     has_fog: bool,
+    has_area: bool,
     pub visible_part: wgpu::TextureView,
     pub depth: wgpu::TextureView,
     pub gbuffer: wgpu::Buffer,
@@ -26,12 +27,15 @@ pub(crate) struct Targets {
     pub counts: wgpu::Buffer,
     /// Empty without fog.
     pub veils: wgpu::Buffer,
+    /// Empty without area lights.
+    pub gathered: wgpu::Buffer,
+    pub area: wgpu::Buffer,
 }
 
 impl Targets {
     pub fn new(gpu: &Gpu, frame: &Frame) -> Self {
         let Frame { size, suns, .. } = *frame;
-        let has_fog = frame.fog_per_m > 0.0;
+        let (has_fog, has_area) = (frame.fog_per_m > 0.0, frame.area_lights > 0);
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let texture = |format| {
             let extra = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -51,6 +55,7 @@ impl Targets {
             size,
             suns,
             has_fog,
+            has_area,
             visible_part: texture(VISIBLE_FORMAT),
             depth: texture(DEPTH_FORMAT),
             gbuffer: gpu.zeros("G-buffer", TEXEL_BYTES * pixels),
@@ -59,11 +64,14 @@ impl Targets {
             screen: gpu.zeros("screen", 4 * pixels),
             counts: gpu.zeros("lamps per pixel", 4 * pixels),
             veils: gpu.zeros("fog", if has_fog { 16 * pixels } else { 16 }),
+            gathered: gpu.zeros("gathered", if has_area { 48 * pixels } else { 0 }),
+            area: gpu.zeros("area light", if has_area { 32 * pixels } else { 0 }),
         }
     }
 
     /// Whether they suit a picture.
     pub fn suit(&self, frame: &Frame) -> bool {
-        self.size == frame.size && self.suns == frame.suns && self.has_fog == (frame.fog_per_m > 0.0)
+        let (has_fog, has_area) = (frame.fog_per_m > 0.0, frame.area_lights > 0);
+        self.size == frame.size && self.suns == frame.suns && self.has_fog == has_fog && self.has_area == has_area
     }
 }

@@ -6,7 +6,7 @@ use super::{Gpu, Kernel};
 use crate::RenderError;
 
 /// Most passes of one frame that the card times.
-const MOST: u32 = 64;
+const MOST: u32 = 2048;
 
 /// Takes the time of a frame's passes.
 #[derive(Debug)]
@@ -97,6 +97,13 @@ fn ticks(gpu: &Gpu, queries: &wgpu::QuerySet, passes: usize) -> Result<Vec<u64>,
     gpu.read(&buffer)
 }
 
+/// A kernel with its bindings, and how many workgroups of it run.
+pub(crate) struct Step<'a> {
+    pub kernel: &'a Kernel,
+    pub groups: &'a [&'a wgpu::BindGroup],
+    pub workgroups: [u32; 3],
+}
+
 /// Records passes one after the other, and times them.
 pub(crate) struct Recorder<'a> {
     gpu: &'a Gpu,
@@ -111,6 +118,11 @@ impl<'a> Recorder<'a> {
 
     /// A pass of so many workgroups.
     pub fn compute(&mut self, name: &'static str, kernel: &Kernel, groups: &[&wgpu::BindGroup], workgroups: [u32; 3]) {
+        self.computes(name, &[Step { kernel, groups, workgroups }]);
+    }
+
+    /// Kernels that are timed as one pass.
+    pub fn computes(&mut self, name: &'static str, steps: &[Step<'_>]) {
         let start = self.begin(name);
         let writes = self.writes();
         let writes = writes.as_ref().map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
@@ -118,8 +130,17 @@ impl<'a> Recorder<'a> {
             beginning_of_pass_write_index: Some(*begin),
             end_of_pass_write_index: Some(*end),
         });
-        kernel.run(&mut self.encoder, writes, groups, workgroups);
+        let mut pass = self
+            .encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: writes });
+        steps.iter().for_each(|step| step.kernel.record(&mut pass, step.groups, step.workgroups));
+        drop(pass);
         self.end(start);
+    }
+
+    /// Sets a buffer to zeros.
+    pub fn clear(&mut self, buffer: &wgpu::Buffer) {
+        self.encoder.clear_buffer(buffer, 0, None);
     }
 
     /// A pass that draws triangles.

@@ -100,10 +100,7 @@ impl<'w> World<'w> {
         area: &'w [AreaLight],
         time: Time,
     ) -> Self {
-        let lamplit = |lamps: &[Lamp]| match (lamplit(tracer, surfaces, lamps), area_lit(tracer, surfaces, area)) {
-            (Some(by_lamps), Some(by_area)) => Some(by_lamps.max(by_area)),
-            (by_lamps, by_area) => by_lamps.or(by_area),
-        };
+        let lamplit = |lamps: &[Lamp]| lamplit(tracer, surfaces, lamps, area);
         let lighting = Lighting::new(lights, time, tracer.bounds().diagonal(), lamplit);
         Self { tracer, surfaces, lighting, area }
     }
@@ -145,9 +142,17 @@ impl<'w> World<'w> {
     }
 }
 
+/// Irradiance of a place that lamps or area lights light: of those that are brighter.
+pub(crate) fn lamplit(tracer: &Tracer, surfaces: &Surfaces<'_>, lamps: &[Lamp], area: &[AreaLight]) -> Option<f32> {
+    match (by_lamps(tracer, surfaces, lamps), area_lit(tracer, surfaces, area)) {
+        (Some(by_lamps), Some(by_area)) => Some(by_lamps.max(by_area)),
+        (by_lamps, by_area) => by_lamps.or(by_area),
+    }
+}
+
 /// Irradiance of a place that lamps light: the median over places that rays from the lamps find. A few rays tell enough,
 /// and a lamp's own housing or a wall beside it does not count for more than what it lights.
-pub(crate) fn lamplit(tracer: &Tracer, surfaces: &Surfaces<'_>, lamps: &[Lamp]) -> Option<f32> {
+fn by_lamps(tracer: &Tracer, surfaces: &Surfaces<'_>, lamps: &[Lamp]) -> Option<f32> {
     let from = |lamp| (0..RAYS_PER_LAMP).filter_map(move |i| lit_place(tracer, surfaces, lamp, i));
     let mut lit: Vec<f32> = lamps.iter().flat_map(from).collect();
     if lit.is_empty() {
@@ -159,7 +164,7 @@ pub(crate) fn lamplit(tracer: &Tracer, surfaces: &Surfaces<'_>, lamps: &[Lamp]) 
     (!lit.is_empty()).then(|| *lit.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-/// Irradiance of a place that area lights light: as [`lamplit`] finds it.
+/// Irradiance of a place that area lights light: as [`by_lamps`] finds it.
 fn area_lit(tracer: &Tracer, surfaces: &Surfaces<'_>, lights: &[AreaLight]) -> Option<f32> {
     let mut lit: Vec<f32> = Vec::new();
     for light in lights {

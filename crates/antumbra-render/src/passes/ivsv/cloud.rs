@@ -148,6 +148,18 @@ impl Cloud {
         self.shared(&self.chunks.iter().map(wish).collect::<Vec<_>>(), budget)
     }
 
+    /// Number of points.
+    #[cfg(feature = "gpu")]
+    pub fn len(&self) -> u32 {
+        self.points.len() as u32
+    }
+
+    /// Number of shares.
+    #[cfg(feature = "gpu")]
+    pub fn shares_count(&self) -> u32 {
+        self.chunks.len() as u32
+    }
+
     /// All points in mesh space, with the numbers of their nodes and their normals.
     #[cfg(feature = "gpu")]
     pub fn points(&self) -> impl Iterator<Item = ([f32; 3], u32, [f32; 3])> {

@@ -79,7 +79,7 @@ impl Grid {
             sum.add(lit, key.affinity(there));
         };
         match self.gathering {
-            Gathering::Full => return *of(pixel).1,
+            Gathering::Full => *of(pixel).1,
             Gathering::Interleaved => {
                 // Three by three with all nine parts, at the border too.
                 let middle = pixel.clamp(UVec2::ONE, self.size - 2);

@@ -29,7 +29,7 @@ pub(crate) mod splat;
 pub(crate) mod traced;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::f32::consts::PI;
 

@@ -53,8 +53,8 @@ impl Disc {
 /// A VPL's axes, and how its directions lie in a map.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Paraboloid {
-    x: Vec3,
-    y: Vec3,
+    pub x: Vec3,
+    pub y: Vec3,
     z: Vec3,
     per_spread: f32,
     side: f32,
@@ -138,14 +138,13 @@ impl Map {
     }
 
     fn filled_over(&self, levels: u32) -> Self {
-        if levels == 0 || self.side < 2 {
+        if levels == 0 {
             return self.clone();
         }
         let coarse = self.pulled().filled_over(levels - 1);
         let fill = |i: u32| {
             let own = self.texels[i as usize];
-            let last = coarse.side - 1;
-            let (x, y) = ((i % self.side / 2).min(last), (i / self.side / 2).min(last));
+            let (x, y) = (i % self.side / 2, i / self.side / 2);
             if own == EMPTY { coarse.texels[(y * coarse.side + x) as usize] } else { own }
         };
         Self { side: self.side, texels: (0..self.side * self.side).map(fill).collect() }

@@ -111,7 +111,7 @@ fn a_light_before_an_open_sky_is_not_hidden() {
 }
 
 /// A wall of 2 x 2 m, at z = -3, and a floor of 24 x 24 m.
-fn wall_and_floor() -> antumbra_scene::Scene {
+pub(crate) fn wall_and_floor() -> antumbra_scene::Scene {
     let quad = |corners: [[f32; 3]; 4]| antumbra_scene::Primitive {
         positions: corners.to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],

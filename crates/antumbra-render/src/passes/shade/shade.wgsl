@@ -10,6 +10,8 @@
 @group(0) @binding(5) var<storage, read_write> hdr: array<vec4<f32>>;
 // Radiance of the fog before each pixel, and the share of light that comes through it, where there is fog.
 @group(0) @binding(6) var<storage, read> veils: array<vec4<f32>>;
+// Of area lights, where there are any, two for each pixel: what its surface or the sky around the scene sends, and fog.
+@group(0) @binding(7) var<storage, read> area: array<vec4<f32>>;
 
 // The sky in a surface. The split sum's second factor is Karis's (2014) fit.
 fn reflected_sky(s: Surface, ambient: vec3<f32>) -> vec3<f32> {
@@ -28,13 +30,17 @@ fn reflected_sky(s: Surface, ambient: vec3<f32>) -> vec3<f32> {
 fn shaded(pixel: vec2<u32>, index: u32) -> vec4<f32> {
     let texel = gbuffer[index];
     let direction = normalize(ray_through(frame, vec2<f32>(pixel) + frame.jitter));
+    var by_area = vec3(0.0);
+    if frame.area_lights > 0u {
+        by_area = area[2u * index].xyz;
+    }
     if texel.depth == 0.0 {
-        return vec4(sky_with_disc(direction), 0.0);
+        return vec4(sky_with_disc(direction) + by_area, 0.0);
     }
     let s = unpacked(frame, pixel, texel);
     let glow = s.emissive * frame.glow;
     let ambient = sky_ambient(s.normal);
-    var light = s.albedo * (1.0 - s.metallic) * ambient + reflected_sky(s, ambient) + glow;
+    var light = s.albedo * (1.0 - s.metallic) * ambient + reflected_sky(s, ambient) + glow + by_area;
     for (var sun = 0u; sun < frame.suns; sun++) {
         let seen = visible[index * frame.suns + sun];
         if seen > 0.0 {
@@ -58,6 +64,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if frame.fog_per_m > 0.0 {
         let veil = veils[index];
         light = vec4(light.xyz * veil.w + veil.xyz, light.w);
+        if frame.area_lights > 0u {
+            light += vec4(area[2u * index + 1u].xyz, 0.0);
+        }
     }
     hdr[index] = before + light;
 }
