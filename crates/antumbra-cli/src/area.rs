@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use antumbra_render::area::{Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, VoxelResolution};
+use antumbra_render::area::{
+    Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, Gathering, VoxelResolution,
+};
 use antumbra_scene::Image;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
@@ -42,6 +44,12 @@ pub struct AreaArgs {
     /// Samples of their shadows along each axis, 32 to 512
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = parse_voxels)]
     voxels: u32,
+    /// Which pixels gather the light of which of those points
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = GatheringArg::Full)]
+    area_gather: GatheringArg,
+    /// Memory for their shadows at a time, MB: more of them come in batches
+    #[arg(long, value_name = "MB", default_value_t = 128, value_parser = clap::value_parser!(u64).range(1..=65536))]
+    area_memory: u64,
     /// How the light in fog is integrated
     #[arg(long, value_enum, value_name = "HOW", default_value_t = AirlightArg::Exact)]
     airlight: AirlightArg,
@@ -52,10 +60,25 @@ pub struct AreaArgs {
 pub enum Shadows {
     /// Imperfect voxelized shadow volumes
     Voxels,
+    /// The same, one point of light after the other: slow, for comparison
+    OneByOne,
+    /// Shadow maps through which view rays march: for comparison
+    Maps,
     /// Rays: the truth, but for noise
     Traced,
     /// There are none
     None,
+}
+
+/// `--area-gather`.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GatheringArg {
+    /// All of all
+    Full,
+    /// Each of 3 x 3 pixels a ninth, then shared among them
+    Interleaved,
+    /// One of 2 x 2 pixels, then those beside it take over
+    Half,
 }
 
 /// `--airlight`.
@@ -103,11 +126,19 @@ impl AreaArgs {
         Ok(Some(AreaLighting {
             technique: match self.area_shadows {
                 Shadows::Voxels => AreaTechnique::Voxels,
+                Shadows::OneByOne => AreaTechnique::OneByOne,
+                Shadows::Maps => AreaTechnique::MarchedMaps,
                 Shadows::Traced => AreaTechnique::Traced,
                 Shadows::None => AreaTechnique::None,
             },
             vpls: self.vpls,
             voxels: VoxelResolution::cube(self.voxels),
+            gathering: match self.area_gather {
+                GatheringArg::Full => Gathering::Full,
+                GatheringArg::Interleaved => Gathering::Interleaved,
+                GatheringArg::Half => Gathering::Half,
+            },
+            budget_bytes: self.area_memory << 20,
             airlight: match self.airlight {
                 AirlightArg::Exact => Airlight::Exact,
                 AirlightArg::Average => Airlight::Average,
