@@ -143,10 +143,14 @@ pub fn run(args: &Args) -> Result<()> {
             warn_of_policies(&scene, file);
             looked_up(args, file)?
         }
-        _ if args.device == Device::Gpu && !scene.lights.is_empty() => {
-            bail!(
-                "the graphics card traces no rays for the scene's own lights: name a bake with --shadows FILE, or leave out --device gpu"
-            )
+        _ if args.device == Device::Gpu => {
+            if !scene.lights.is_empty() && Time::suiting(&scene.lights) == Time::Night {
+                let words =
+                    "the scene's own lights are left out: on the graphics card they need a bake (--shadows FILE)";
+                output::warn(&[words.to_owned()]);
+            }
+            scene.lights.clear();
+            ShadowSource::None
         }
         _ => ShadowSource::Traced,
     };

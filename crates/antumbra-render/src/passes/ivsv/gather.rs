@@ -11,10 +11,11 @@ use super::splat::{Map, Paraboloid};
 use crate::area::{self, Vpl};
 use crate::surface::Surface;
 
-/// Lookups are moved towards the light and the eye by so many voxels, or surfaces would shadow themselves (Wyman and Dai
-/// 2013, section 5).
-const ALPHA_BIAS: f32 = -2.25;
-const PHI_BIAS: f32 = -1.0;
+/// Surfaces are looked up so many cells of light rays before themselves, along their normals, and so many columns towards
+/// the light, or they would shadow themselves; fog is looked up where it is. (Wyman and Dai 2013, section 5, move both by 2.25
+/// columns and a bit: along a surface that light grazes that is too little, and in fog before a wall light leaks by it.)
+const CELLS_OFF: f32 = 0.6;
+const ALPHA_BIAS: f32 = -1.0;
 
 /// A sample: what it sees, relative to the eye.
 #[derive(Clone, Copy, Debug)]
@@ -66,21 +67,22 @@ impl Gather<'_> {
         let place = space.place(sample.ray, sample.distance);
         // Behind what is no surface nothing stands before the light.
         let stop = if sample.surface.is_some() { sample.distance } else { f32::INFINITY };
-        let rows = volume.rows(&place, stop, self.interpolate);
         if let Some(surface) = sample.surface {
             let towards = vpl.position - sample.ray * sample.distance;
             let r = towards.length().max(1e-9);
             let towards = towards / r;
             let emitted = -vpl.normal.dot(towards);
             if emitted > 0.0 && surface.normal.dot(towards) > 0.0 && surface.face_normal.dot(towards) > 0.0 {
-                let at = sample.ray * sample.distance;
-                let visible = volume.visible(&rows, at, place.phi, self.interpolate);
+                let cell = r * (1.0 / space.phi_scale).max(place.phi.sin() / space.theta_scale);
+                let at = sample.ray * sample.distance + surface.face_normal * (CELLS_OFF * cell);
+                let visible = volume.visible(at, stop, self.interpolate);
                 let clear = (-self.sigma_t * (r - vpl.start_m)).exp();
                 let falloff = emitted * clear / (r * r + vpl.radius_m * vpl.radius_m);
                 lit.receive(surface, towards, vpl.intensity * (falloff * visible));
             }
         }
         if self.sigma_t > 0.0 {
+            let rows = volume.rows(&place, stop, 0.0, self.interpolate);
             let scattered = self.scattered(volume, sample, &place, &rows);
             lit.airlight += vpl.intensity * (self.sigma_t * scattered);
         }
@@ -139,7 +141,7 @@ pub(crate) enum Rows<'v> {
 }
 
 impl Volume {
-    pub(super) fn rows(&self, place: &Place, stop: f32, interpolate: bool) -> Rows<'_> {
+    pub(super) fn rows(&self, place: &Place, stop: f32, bias: f32, interpolate: bool) -> Rows<'_> {
         let space = &self.space;
         let voxels = match &self.shadows {
             Shadows::None => return Rows::Lit,
@@ -147,10 +149,10 @@ impl Volume {
             Shadows::Voxels(voxels) => voxels,
         };
         // At the epipole a voxel is as long as the ray: what is seen stands before the light, or nothing does.
-        if place.alpha * space.alpha_scale < -ALPHA_BIAS {
+        if place.alpha * space.alpha_scale < 1.0 {
             return if stop < space.distance { Rows::Dark } else { Rows::Lit };
         }
-        let column = (place.alpha - space.alpha_min) * space.alpha_scale + ALPHA_BIAS;
+        let column = (place.alpha - space.alpha_min) * space.alpha_scale + bias;
         let column = (column.max(0.0) as u32).min(space.size.alpha - 1);
         let words = (space.size.phi / 32) as usize;
         let texel = |row: u32| {
@@ -168,15 +170,17 @@ impl Volume {
     }
 
     /// How much of the light arrives at a place, from 0 to 1.
-    fn visible(&self, rows: &Rows<'_>, at: Vec3, phi: f32, interpolate: bool) -> f32 {
+    fn visible(&self, at: Vec3, stop: f32, interpolate: bool) -> f32 {
         let space = &self.space;
-        let (first, second, share) = match rows {
+        let t = at.length();
+        let place = space.place(at / t.max(1e-9), t);
+        let (first, second, share) = match self.rows(&place, stop, ALPHA_BIAS, interpolate) {
             Rows::Lit => return 1.0,
             Rows::Dark => return 0.0,
             Rows::Map(map, paraboloid) => return if is_dark(&self.vpl, map, paraboloid, at) { 0.0 } else { 1.0 },
-            Rows::Texels(first, second, share) => (*first, *second, *share),
+            Rows::Texels(first, second, share) => (first, second, share),
         };
-        let index = phi * space.phi_scale + PHI_BIAS;
+        let index = place.phi * space.phi_scale;
         let lit = |texel: &[u32], bit: f32| {
             let bit = (bit as i32).clamp(0, space.size.phi as i32 - 1) as usize;
             (texel[bit / 32] >> (bit % 32) & 1 ^ 1) as f32

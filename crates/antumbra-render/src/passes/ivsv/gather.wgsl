@@ -18,8 +18,8 @@ struct AreaLit {
 @group(0) @binding(6) var<storage, read> tails: array<vec2<f32>>;
 @group(0) @binding(7) var<storage, read_write> gathered: array<AreaLit>;
 
-const ALPHA_BIAS: f32 = -2.25;
-const PHI_BIAS: f32 = -1.0;
+const CELLS_OFF: f32 = 0.6;
+const ALPHA_BIAS: f32 = -1.0;
 const MAP_BIAS: f32 = 0.02;
 
 // A sample's way through a VPL's shadows.
@@ -35,19 +35,18 @@ struct Way {
     map: u32,
 }
 
-fn way_of(vpl: Vpl, slot: u32, ray: vec3<f32>, t: f32, stop: f32) -> Way {
-    let place = place_of(vpl, ray, t);
+fn way_of(vpl: Vpl, slot: u32, place: Place, stop: f32, bias: f32) -> Way {
     var way = Way(place, SHADOWS, 0u, 0u, 0.0, slot * batch.map * batch.map);
     if SHADOWS != 1u {
         way.kind = select(0u, 3u, SHADOWS == 2u);
         return way;
     }
     // At the epipole a voxel is as long as the ray: what is seen stands before the light, or nothing does.
-    if place.alpha * vpl.alpha_scale < -ALPHA_BIAS {
+    if place.alpha * vpl.alpha_scale < 1.0 {
         way.kind = select(0u, 1u, stop < vpl.distance);
         return way;
     }
-    let column = (place.alpha - vpl.alpha_min) * vpl.alpha_scale + ALPHA_BIAS;
+    let column = (place.alpha - vpl.alpha_min) * vpl.alpha_scale + bias;
     let own_column = min(u32(max(column, 0.0)), batch.alpha - 1u);
     let index = theta_index(vpl, place.theta);
     way.kind = 2u;
@@ -114,14 +113,16 @@ fn lit_fast(way: Way, bits: vec2<u32>, weight: f32) -> f32 {
 }
 
 // How much of the light arrives at a place, from 0 to 1.
-fn visible(vpl: Vpl, way: Way, at: vec3<f32>) -> f32 {
+fn visible(vpl: Vpl, slot: u32, at: vec3<f32>, stop: f32) -> f32 {
+    let t = length(at);
+    let way = way_of(vpl, slot, place_of(vpl, at / max(t, 1e-9), t), stop, ALPHA_BIAS);
     if way.kind < 2u {
         return f32(1u - way.kind);
     }
     if SHADOWS == 2u {
         return select(1.0, 0.0, is_dark(vpl, way.map, at));
     }
-    let index = way.place.phi * vpl.phi_scale + PHI_BIAS;
+    let index = way.place.phi * vpl.phi_scale;
     let last = i32(batch.phi) - 1;
     if INTERPOLATION == 0u {
         return lit_plain(way.first, u32(clamp(i32(floor(index)), 0, last)));
@@ -296,7 +297,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             continue;
         }
         let vpl = vpls[number];
-        let way = way_of(vpl, number - batch.first, direction, distance, stop);
+        let slot = number - batch.first;
+        let place = place_of(vpl, direction, distance);
         if has_surface {
             let at = direction * distance;
             let from_light = vpl.position - at;
@@ -306,13 +308,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             if emitted > 0.0 && can_be_lit(s, towards) {
                 let clear = exp(-frame.fog_per_m * (r - vpl.start_m));
                 let falloff = emitted * clear / (r * r + vpl.radius_m * vpl.radius_m);
-                let seen = visible(vpl, way, at) * falloff * incidence(s, towards);
+                let cell = r * max(1.0 / vpl.phi_scale, sin(place.phi) / vpl.theta_scale);
+                let seen = visible(vpl, slot, at + s.face_normal * (CELLS_OFF * cell), stop) * falloff * incidence(s, towards);
                 let irradiance = vpl.intensity * seen;
                 lit.irradiance += vec4(irradiance, 0.0);
                 lit.glossy += vec4(highlight(s, towards) * irradiance, 0.0);
             }
         }
         if frame.fog_per_m > 0.0 {
+            let way = way_of(vpl, slot, place, stop, 0.0);
             let airlight = frame.fog_per_m * scattered(vpl, way, direction, fog_m);
             lit.airlight += vec4(vpl.intensity * airlight, 0.0);
         }

@@ -106,7 +106,7 @@ fn a_light_before_an_open_sky_is_not_hidden() {
     let sample = Sample { ray: Vec3::NEG_Z, distance: 20.0, fog_m: 20.0, surface: None };
     gather.add(&volume, &sample, &mut lit);
     assert!(lit.airlight.x > 0.0, "{lit:?}");
-    let rows = |stop| volume.rows(&space.place(Vec3::NEG_Z, 20.0), stop, true);
+    let rows = |stop| volume.rows(&space.place(Vec3::NEG_Z, 20.0), stop, 0.0, true);
     assert!(matches!(rows(20.0), Rows::Dark) && matches!(rows(200.0), Rows::Lit));
 }
 
