@@ -4,20 +4,20 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use antumbra_render::area::{
-    Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, Gathering, VoxelResolution,
+    Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, Gathering, Showing, VoxelResolution,
 };
-use antumbra_scene::Image;
+use antumbra_scene::Scene;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use glam::DVec3;
 
-use crate::args;
+use crate::{args, inputs};
 
-/// One light with a surface, and how its shadows are found.
+/// Lights with a surface, and how their shadows are found.
 #[derive(clap::Args, Clone, Debug)]
 pub struct AreaArgs {
     /// A light with a surface, which casts soft shadows, in --fog too: rectangle=WIDTH,HEIGHT, disc=RADIUS, sphere=RADIUS
-    /// (metres), or environment
+    /// (metres), or environment [default: those of the scene, if it has any, at night]
     #[arg(long, value_name = "SHAPE", value_parser = parse_shape, requires = "light_at", conflicts_with = "day")]
     area_light: Option<AreaShape>,
     /// Where its middle is, metres
@@ -32,9 +32,12 @@ pub struct AreaArgs {
     /// Its colour, linear; multiplied by the picture
     #[arg(long, value_name = "R,G,B", value_parser = args::parse_point, default_value = "1,1,1")]
     light_color: DVec3,
-    /// A picture that it shows: PNG, JPEG or WebP
+    /// A picture that it shows: PNG, JPEG, WebP or HDR
     #[arg(long, value_name = "FILE", requires = "area_light")]
     light_image: Option<PathBuf>,
+    /// Time at which the scene's lights show a frame of their videos, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, conflicts_with = "area_light")]
+    video_time: f64,
     /// How its shadows are found
     #[arg(long, value_enum, value_name = "HOW", default_value_t = Shadows::Voxels)]
     area_shadows: Shadows,
@@ -110,20 +113,27 @@ fn parse_voxels(text: &str) -> Result<u32, String> {
 }
 
 impl AreaArgs {
-    /// Whether there is one.
-    #[must_use]
-    pub fn is_there(&self) -> bool {
-        self.area_light.is_some()
+    /// The light that they describe; without one, those of the scene.
+    pub fn lighting(&self, scene: &Scene) -> Result<Option<AreaLighting>> {
+        let lights = match self.light()? {
+            Some(light) => vec![light],
+            None => Showing::of_scene(scene).iter().map(|showing| showing.at(self.video_time)).collect(),
+        };
+        Ok((!lights.is_empty()).then(|| self.of(lights)))
     }
 
-    /// The light that they describe.
-    pub fn lighting(&self) -> Result<Option<AreaLighting>> {
+    fn light(&self) -> Result<Option<AreaLight>> {
         let (Some(shape), Some(at)) = (self.area_light, self.light_at) else { return Ok(None) };
         let towards = self.light_towards.unwrap_or(at - DVec3::Y);
         let luminance = (self.light_color * f64::from(self.luminance)).as_vec3().to_array();
         let mut light = AreaLight::towards(shape, at, towards, luminance)?;
         light.emission = self.light_image.as_deref().map(emission).transpose()?;
-        Ok(Some(AreaLighting {
+        Ok(Some(light))
+    }
+
+    /// Lights with their shadows found as wished.
+    pub fn of(&self, lights: Vec<AreaLight>) -> AreaLighting {
+        AreaLighting {
             technique: match self.area_shadows {
                 Shadows::Voxels => AreaTechnique::Voxels,
                 Shadows::OneByOne => AreaTechnique::OneByOne,
@@ -143,19 +153,23 @@ impl AreaArgs {
                 AirlightArg::Exact => Airlight::Exact,
                 AirlightArg::Average => Airlight::Average,
             },
-            ..AreaLighting::new(vec![light])
-        }))
+            ..AreaLighting::new(lights)
+        }
     }
 }
 
 fn emission(path: &Path) -> Result<Arc<Emission>> {
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let decoded = image::load_from_memory(&bytes)
-        .with_context(|| format!("{} is no picture that can be read (PNG, JPEG, WebP)", path.display()))?;
-    let rgba = decoded.into_rgba8();
-    let (width, height) = rgba.dimensions();
-    let image = Image { name: String::new(), width, height, rgba: rgba.into_raw() };
-    Ok(Arc::new(Emission::of_image(&image).with_context(|| format!("{} is empty", path.display()))?))
+    let bytes = inputs::file(path)?;
+    let empty = || format!("{} is empty", path.display());
+    if let Ok(image::ImageFormat::Hdr) = image::guess_format(&bytes) {
+        let wrong = || format!("{} is no HDR picture that can be read", path.display());
+        let linear = image::load_from_memory(&bytes).with_context(wrong)?.into_rgb32f();
+        let (width, height) = linear.dimensions();
+        let texels: Vec<[f32; 3]> = linear.pixels().map(|pixel| pixel.0).collect();
+        return Ok(Arc::new(Emission::of_linear(width, height, &texels).with_context(empty)?));
+    }
+    let image = antumbra_scene::decode_image(&path.display().to_string(), &bytes)?;
+    Ok(Arc::new(Emission::of_image(&image).with_context(empty)?))
 }
 
 #[cfg(test)]

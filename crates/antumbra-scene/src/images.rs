@@ -36,6 +36,16 @@ impl ImageStore {
     }
 }
 
+/// Decodes an image file: PNG, JPEG, WebP or, reduced to eight bits, HDR.
+///
+/// # Errors
+/// [`SceneError`] names what is too large or cannot be decoded.
+pub fn decode_image(name: &str, bytes: &[u8]) -> Result<Image, SceneError> {
+    let mut store = ImageStore::default();
+    store.add(name.to_owned(), bytes)?;
+    Ok(store.images.remove(0))
+}
+
 fn reader(bytes: &[u8]) -> ImageReader<Cursor<&[u8]>> {
     let mut reader = ImageReader::new(Cursor::new(bytes));
     if let Ok(format) = image::guess_format(bytes) {

@@ -16,5 +16,6 @@ pub use alpha::AlphaTest;
 pub use error::SceneError;
 pub use exclude::glob_matches;
 pub use glb_writer::to_glb;
+pub use images::decode_image;
 pub use load::{load, load_glb_slice};
 pub use model::*;

@@ -21,6 +21,8 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Lights, in the file's order.
     pub lights: Vec<Light>,
+    /// Lights with a surface, in the file's order.
+    pub area_lights: Vec<AreaLight>,
     /// Cameras, in the file's order.
     pub cameras: Vec<Camera>,
     /// Triangles that were left out, by reason (counted per mesh, not per node).
@@ -211,6 +213,57 @@ pub struct Light {
     pub intensity: f32,
     /// Distance at which the light ends, if the file says so, metres.
     pub range_m: Option<f64>,
+}
+
+/// The surface of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaShape {
+    /// Shines to one side.
+    Rectangle {
+        /// Metres across.
+        width_m: f64,
+        /// Metres along the light's up.
+        height_m: f64,
+    },
+    /// Shines to one side.
+    Disc {
+        /// Metres.
+        radius_m: f64,
+    },
+    /// Shines to all sides. Its picture goes round it, with the light's position in the middle.
+    Sphere {
+        /// Metres.
+        radius_m: f64,
+    },
+    /// Everything around the scene, infinitely far away. Its picture is a map of longitude and latitude whose middle
+    /// shows north (-Z).
+    Environment,
+}
+
+/// A light with a surface that is equally bright from wherever it is seen: a screen, a lantern, a sky.
+///
+/// In glTF files it is a node that shines along its -Z with its Y up, and says so in its extras:
+/// `{"antumbra": "area light", "shape": "rectangle", "width": 1.6, "height": 0.9, "luminance": 300}`. Shapes are
+/// `rectangle` (with `width`, `height`), `disc` and `sphere` (`radius`), `environment`. `color` is three numbers from 0
+/// to 1, `images` a list of the file's images (a video's frames), `fps` how many of them are shown in a second.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AreaLight {
+    /// The node's name.
+    pub name: String,
+    /// Its surface.
+    pub shape: AreaShape,
+    /// Its middle.
+    pub position_world: DVec3,
+    /// Unit vector along which a rectangle or disc shines.
+    pub direction_world: DVec3,
+    /// Unit vector at a right angle to it: up in the picture.
+    pub up_world: DVec3,
+    /// Linear RGB luminance, candela per square metre, by which the picture is multiplied.
+    pub luminance: [f32; 3],
+    /// What it shows, frame after frame: indices of the scene's images. Empty for plain light.
+    pub frames: Vec<usize>,
+    /// Frames that are shown in a second; the last is followed by the first.
+    pub frames_per_second: f64,
 }
 
 /// A perspective camera.

@@ -1,5 +1,6 @@
 //! What the user does, and what follows from it.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -7,6 +8,7 @@ use std::time::Instant;
 use antumbra::ShadowFile;
 use antumbra_render::{RenderError, default_camera, look_at};
 use antumbra_scene::{Camera, Scene};
+use glam::DVec2;
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
@@ -20,6 +22,7 @@ use crate::screen::{Painted, Screen};
 use crate::script::{self, Step};
 use crate::settings::Settings;
 use crate::stage::Stage;
+use crate::video;
 use crate::{Closed, ViewError, ViewOptions};
 
 /// Opens the window and runs until it is closed.
@@ -46,6 +49,8 @@ struct App {
     /// Steps that are left, the next one last.
     steps: Option<Vec<Step>>,
     is_dragging: bool,
+    /// What is dragged is the area light.
+    moves_light: bool,
     pointer: Option<[f64; 2]>,
     history: History,
     /// What to tell the user, and whether it is something that went wrong.
@@ -94,13 +99,14 @@ impl App {
         Ok(Self {
             size,
             resolution,
-            settings: Settings::new(&scene.lights),
+            settings: Settings::new(&scene),
             fly: Fly::new(first_camera(&scene)?, scene.bounds(|_| true).diagonal()),
             scene,
             bake,
             shown: None,
             steps: script.map(|script| script.steps.into_iter().rev().collect()),
             is_dragging: false,
+            moves_light: false,
             pointer: None,
             history: History::default(),
             message: None,
@@ -144,6 +150,7 @@ impl App {
         }
         let mut shot = self.play(events, &stage)?;
         if self.steps.is_none() {
+            self.settings.video_s += seconds;
             self.fly.advance(seconds.min(0.2));
         }
         match stage.frame(&self.fly.camera, screen.size(), &self.settings) {
@@ -265,9 +272,16 @@ impl App {
             stage.take_bake(ShadowFile::from_bytes(&bytes).map_err(|error| format!("{}: {error}", path.display()))?);
             return Ok(());
         }
+        let is_picture = |extension: &OsStr| ["png", "jpg", "jpeg", "webp"].iter().any(|known| extension == *known);
+        if path.is_dir() || path.extension().is_some_and(is_picture) {
+            self.settings.area.lights[0].frames = video::frames(path)?;
+            self.settings.area.is_on = true;
+            return Ok(());
+        }
         let scene = antumbra_scene::load(path).map_err(|error| error.to_string())?;
         let camera = first_camera(&scene).map_err(|error| error.to_string())?;
-        let settings = Settings { sun_deg: Settings::new(&scene.lights).sun_deg, ..self.settings.clone() };
+        let Settings { sun_deg, area, .. } = Settings::new(&scene);
+        let settings = Settings { sun_deg, area, ..self.settings.clone() };
         let opened = Stage::new(&screen.gpu, scene.clone(), None, self.resolution, &settings);
         *stage = opened.map_err(|error| error.to_string())?;
         screen.window.set_title(&format!("Antumbra: {}", scene.name));
@@ -285,22 +299,41 @@ impl App {
                 self.wants_screenshot |= key == KeyCode::F12 && is_down && !event.repeat;
                 self.fly.key(key, is_down);
             }
-            WindowEvent::MouseInput { state, button: MouseButton::Left | MouseButton::Right, .. } => {
-                self.is_dragging = *state == ElementState::Pressed && !over_panel;
+            WindowEvent::MouseInput { state, button: button @ (MouseButton::Left | MouseButton::Right), .. } => {
+                let is_down = *state == ElementState::Pressed && !over_panel;
+                let moves_light = *button == MouseButton::Right && self.settings.area.is_on;
+                (self.is_dragging, self.moves_light) = (is_down, is_down && moves_light);
             }
             WindowEvent::CursorMoved { position, .. } => {
                 let here = [position.x, position.y];
                 if let Some(before) = self.pointer.replace(here).filter(|_| self.is_dragging) {
-                    self.fly.drag(here[0] - before[0], here[1] - before[1]);
+                    let [right, down] = [here[0] - before[0], here[1] - before[1]];
+                    if self.moves_light {
+                        self.move_light(DVec2::new(right, down), 0.0);
+                    } else {
+                        self.fly.drag(right, down);
+                    }
                 }
             }
-            WindowEvent::MouseWheel { delta, .. } if !over_panel => self.fly.scroll(match delta {
-                MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
-                MouseScrollDelta::PixelDelta(pixels) => pixels.y / 40.0,
-            }),
+            WindowEvent::MouseWheel { delta, .. } if !over_panel => {
+                let steps = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / 40.0,
+                };
+                if self.moves_light {
+                    self.move_light(DVec2::ZERO, steps);
+                } else {
+                    self.fly.scroll(steps);
+                }
+            }
             WindowEvent::Focused(false) => self.fly.let_go(),
             _ => {}
         }
+    }
+
+    fn move_light(&mut self, pixels: DVec2, steps: f64) {
+        let height = self.shown.as_ref().map_or(1, |(screen, _)| screen.size()[1]);
+        self.settings.area.drag(&self.fly.camera, height, pixels, steps);
     }
 }
 

@@ -11,6 +11,7 @@
 //! window's surface, and `panel` over the picture). `rebuild` bakes in the background, [`script`] replays a camera's way.
 
 mod app;
+mod area;
 mod error;
 mod fly;
 mod panel;
@@ -19,6 +20,7 @@ mod screen;
 pub mod script;
 mod settings;
 mod stage;
+mod video;
 
 pub use error::ViewError;
 pub use script::Script;

@@ -4,10 +4,12 @@ use std::collections::VecDeque;
 
 use antumbra::Kernel;
 use antumbra_render::Time;
+use antumbra_render::area::{Airlight, AreaTechnique, Gathering, Interpolation};
 use antumbra_render::gpu::PassTime;
 use antumbra_scene::Camera;
-use egui::{Color32, ComboBox, Panel, Pos2, Sense, Slider, Stroke, Ui, Vec2};
+use egui::{Color32, ComboBox, DragValue, Panel, Pos2, Sense, Slider, Stroke, Ui, Vec2};
 
+use crate::area::Area;
 use crate::settings::{Averaging, Settings, Technique};
 
 /// What the panel shows beside the choices.
@@ -92,6 +94,8 @@ pub(crate) fn show(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>, hist
             ui.separator();
             light(ui, settings);
             ui.separator();
+            area_light(ui, &mut settings.area);
+            ui.separator();
             cameras(ui, facts, &mut wishes);
             ui.separator();
             figures(ui, facts, history);
@@ -145,8 +149,78 @@ fn light(ui: &mut Ui, settings: &mut Settings) {
     ui.add(Slider::new(&mut settings.sun_deg[0], 0.0..=360.0).text("sun's azimuth"));
     ui.add(Slider::new(&mut settings.sun_deg[1], 2.0..=90.0).text("elevation"));
     ui.add(Slider::new(&mut settings.exposure_stops, -4.0..=4.0).text("exposure"));
-    ui.add(Slider::new(&mut settings.fog_per_m, 0.0..=0.05).logarithmic(true).smallest_positive(1e-5).text("fog"));
+    ui.add(Slider::new(&mut settings.fog_per_m, 0.0..=0.3).logarithmic(true).smallest_positive(1e-5).text("fog"));
+    ui.add(Slider::new(&mut settings.anisotropy, -0.9..=0.9).text("scatters forwards"));
+    ui.checkbox(&mut settings.is_moving, "move what is dynamic");
     ui.add(Slider::new(&mut settings.samples, 1..=8).text("samples"));
+}
+
+/// A light to drag, resize, recolour and feed, and how its shadows are found.
+fn area_light(ui: &mut Ui, area: &mut Area) {
+    ui.checkbox(&mut area.is_on, "area light");
+    if !area.is_on {
+        return;
+    }
+    ui.label(
+        "Drag it with the right button; scroll then for its distance. Drop a picture, or a folder of frames, to show.",
+    );
+    let (mut shape, size) = (area.shape_name(), area.size_m());
+    let mut sides = size.to_array();
+    choose(ui, "shape", &mut shape, &["rectangle", "disc", "sphere", "environment"].map(|name| (name, name)));
+    ui.add(Slider::new(&mut sides[0], 0.01..=100.0).logarithmic(true).text("width, metres"));
+    if shape == "rectangle" {
+        ui.add(Slider::new(&mut sides[1], 0.01..=100.0).logarithmic(true).text("height, metres"));
+    }
+    if shape != area.shape_name() || sides != size.to_array() {
+        // All names are known.
+        let _ = area.reshape(shape, sides.into());
+    }
+    ui.horizontal(|ui| {
+        for (axis, name) in area.light().position_world.as_mut().iter_mut().zip(["x ", "y ", "z "]) {
+            ui.add(DragValue::new(axis).speed(0.02).prefix(name));
+        }
+    });
+    let before = crate::settings::angles(area.light().direction_world);
+    let mut turned = before;
+    ui.add(Slider::new(&mut turned[0], 0.0..=360.0).text("shines towards, azimuth"));
+    ui.add(Slider::new(&mut turned[1], -89.0..=89.0).text("elevation"));
+    if turned != before {
+        area.turn(turned);
+    }
+    let (mut luminance, color) = area.luminance();
+    let mut rgb = color.to_array();
+    ui.add(Slider::new(&mut luminance, 1.0..=1e6).logarithmic(true).text("candela per m²"));
+    ui.horizontal(|ui| {
+        ui.color_edit_button_rgb(&mut rgb);
+        ui.label("colour");
+    });
+    area.light().luminance = rgb.map(|c| c * luminance);
+    let techniques = [
+        (AreaTechnique::Voxels, "voxels"),
+        (AreaTechnique::OneByOne, "voxels, one by one"),
+        (AreaTechnique::MarchedMaps, "marched maps"),
+        (AreaTechnique::None, "none"),
+    ];
+    choose(ui, "its shadows", &mut area.technique, &techniques);
+    ui.add(Slider::new(&mut area.vpls, 1..=1024).logarithmic(true).text("points of light"));
+    for (samples, name) in [
+        (&mut area.voxels.map, "maps"),
+        (&mut area.voxels.alpha, "alpha"),
+        (&mut area.voxels.theta, "theta"),
+        (&mut area.voxels.phi, "phi"),
+    ] {
+        ui.add(Slider::new(samples, 32..=512).step_by(32.0).text(name));
+    }
+    let gatherings =
+        [(Gathering::Full, "all"), (Gathering::Interleaved, "a ninth, shared"), (Gathering::Half, "half size")];
+    choose(ui, "each pixel gathers", &mut area.gathering, &gatherings);
+    choose(ui, "airlight", &mut area.airlight, &[(Airlight::Exact, "exact"), (Airlight::Average, "average")]);
+    let ways = [
+        (Interpolation::None, "none"),
+        (Interpolation::Plain, "bit by bit"),
+        (Interpolation::Fast, "four bits at once"),
+    ];
+    choose(ui, "interpolation", &mut area.interpolation, &ways);
 }
 
 fn cameras(ui: &mut Ui, facts: &Facts<'_>, wishes: &mut Wishes) {

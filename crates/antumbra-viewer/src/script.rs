@@ -4,7 +4,11 @@
 //! wait-bake                        wait for the bake in the background
 //! set KEY VALUE                    technique baked|maps|none, filter K, kernel box|tent, prefilter none|mean|levels,
 //!                                  penumbra DEG, cascades N, lists tiled|clustered, time day|night|auto, samples N,
-//!                                  fog PER-METRE, sun AZ,EL
+//!                                  fog PER-METRE, sun AZ,EL, scatter G; area lights: area on|off,
+//!                                  shape rectangle|disc|sphere|environment, light X,Y,Z, aim X,Y,Z, size W,H, color R,G,B,
+//!                                  luminance CD, area-shadows voxels|one-by-one|maps|none, vpls N, voxels N, maps N,
+//!                                  alpha N, theta N, phi N, gather full|interleaved|half, airlight exact|average,
+//!                                  interpolation none|plain|fast, video SECONDS, moving on|off
 //! frame X,Y,Z X,Y,Z                draw a frame from an eye, looking at a target; metres
 //! screenshot PATH.png              save the window's picture, with its panel
 //! ```
@@ -13,9 +17,12 @@ use std::path::PathBuf;
 
 use antumbra::Kernel;
 use antumbra_render::Time;
+use antumbra_render::area::{Airlight, AreaTechnique, Gathering, Interpolation, VoxelResolution};
+use antumbra_scene::Scene;
 use glam::DVec3;
 
 use crate::ViewError;
+use crate::area::Area;
 use crate::settings::{Averaging, Settings, Technique};
 
 /// A script's steps.
@@ -47,7 +54,7 @@ impl Script {
                 ["wait-bake"] => Step::WaitBake,
                 ["set", key, value] => {
                     // Tried out, so that what is wrong shows before the window opens.
-                    set(&mut Settings::new(&[]), key, value).map_err(wrong)?;
+                    set(&mut Settings::new(&Scene::default()), key, value).map_err(wrong)?;
                     Step::Set(key.to_owned(), value.to_owned())
                 }
                 ["frame", eye, target] => {
@@ -139,6 +146,96 @@ pub(crate) fn set(settings: &mut Settings, key: &str, value: &str) -> Result<(),
             }
             settings.sun_deg = [azimuth.rem_euclid(360.0), elevation];
         }
+        "scatter" => settings.anisotropy = within(-0.95, 0.95)?,
+        "video" => settings.video_s = within(0.0, 1e6)?,
+        "moving" => settings.is_moving = on_or_off(value)?,
+        _ => return set_area(&mut settings.area, key, value, within),
+    }
+    Ok(())
+}
+
+fn on_or_off(value: &str) -> Result<bool, String> {
+    match value {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(format!("`{value}` is not one of: on, off")),
+    }
+}
+
+/// Changes a setting of area lights.
+fn set_area(
+    area: &mut Area,
+    key: &str,
+    value: &str,
+    within: impl Fn(f64, f64) -> Result<f64, String>,
+) -> Result<(), String> {
+    let one_of = |known: &str| Err(format!("`{value}` is not one of: {known}"));
+    let samples = || {
+        let number = within(32.0, 512.0)?;
+        if number % 32.0 == 0.0 { Ok(number as u32) } else { Err(format!("`{value}`: give a multiple of 32")) }
+    };
+    match key {
+        "area" => area.is_on = on_or_off(value)?,
+        "shape" => {
+            let size = area.size_m();
+            area.reshape(value, size)?;
+        }
+        "light" => area.light().position_world = DVec3::from_array(numbers(value)?),
+        "aim" => area.aim(DVec3::from_array(numbers(value)?))?,
+        "size" => {
+            let size: [f64; 2] = numbers(value)?;
+            if size.iter().any(|side| *side <= 0.0) {
+                return Err(format!("`{value}`: give more than 0 metres"));
+            }
+            let shape = area.shape_name();
+            area.reshape(shape, size.into())?;
+        }
+        "color" => {
+            let (luminance, color) = (area.luminance().0, numbers::<3>(value)?);
+            area.light().luminance = color.map(|c| c.clamp(0.0, 1.0) as f32 * luminance);
+        }
+        "luminance" => {
+            let (luminance, color) = (within(0.0, 1e9)? as f32, area.luminance().1);
+            area.light().luminance = (color * luminance).to_array();
+        }
+        "area-shadows" => {
+            area.technique = match value {
+                "voxels" => AreaTechnique::Voxels,
+                "one-by-one" => AreaTechnique::OneByOne,
+                "maps" => AreaTechnique::MarchedMaps,
+                "none" => AreaTechnique::None,
+                _ => return one_of("voxels, one-by-one, maps, none"),
+            }
+        }
+        "vpls" => area.vpls = within(1.0, 1024.0)? as u32,
+        "voxels" => area.voxels = VoxelResolution::cube(samples()?),
+        "maps" => area.voxels.map = samples()?,
+        "alpha" => area.voxels.alpha = samples()?,
+        "theta" => area.voxels.theta = samples()?,
+        "phi" => area.voxels.phi = samples()?,
+        "gather" => {
+            area.gathering = match value {
+                "full" => Gathering::Full,
+                "interleaved" => Gathering::Interleaved,
+                "half" => Gathering::Half,
+                _ => return one_of("full, interleaved, half"),
+            }
+        }
+        "airlight" => {
+            area.airlight = match value {
+                "exact" => Airlight::Exact,
+                "average" => Airlight::Average,
+                _ => return one_of("exact, average"),
+            }
+        }
+        "interpolation" => {
+            area.interpolation = match value {
+                "none" => Interpolation::None,
+                "plain" => Interpolation::Plain,
+                "fast" => Interpolation::Fast,
+                _ => return one_of("none, plain, fast"),
+            }
+        }
         _ => return Err(format!("there is no setting `{key}`")),
     }
     Ok(())
@@ -167,6 +264,10 @@ mod tests {
             ("set colour red", 1, "colour"),
             ("wait-bake\nset sun 10,100", 2, "-90"),
             ("set time noon", 1, "auto"),
+            ("set voxels 100", 1, "multiple"),
+            ("set area maybe", 1, "off"),
+            ("set size 0,1", 1, "more than 0"),
+            ("set gather some", 1, "interleaved"),
         ] {
             let error = Script::parse(text).expect_err("a wrong script").to_string();
             assert!(error.starts_with(&format!("line {line} ")) && error.contains(word), "{error}");

@@ -3,8 +3,10 @@
 use antumbra::{Filter, Kernel, Prefilter, ShadowFile};
 use antumbra_render::gpu::Lookup;
 use antumbra_render::{Cascades, Fog, MapFilter, Time};
-use antumbra_scene::{Light, LightKind};
+use antumbra_scene::{Light, LightKind, Scene};
 use glam::DVec3;
+
+use crate::area::Area;
 
 /// Where shadows come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,13 +43,21 @@ pub(crate) struct Settings {
     pub exposure_stops: f32,
     /// Extinction per metre; 0 for none.
     pub fog_per_m: f64,
+    /// How much fog scatters forwards: Henyey and Greenstein's g.
+    pub anisotropy: f64,
+    /// Lights with a surface.
+    pub area: Area,
+    /// Time of their videos, seconds.
+    pub video_s: f64,
+    /// Whether what is dynamic moves to and fro.
+    pub is_moving: bool,
     /// Azimuth and elevation of the first directional light, degrees.
     pub sun_deg: [f64; 2],
 }
 
 impl Settings {
-    pub fn new(lights: &[Light]) -> Self {
-        let sun = lights.iter().find(|light| light.kind == LightKind::Directional);
+    pub fn new(scene: &Scene) -> Self {
+        let sun = scene.lights.iter().find(|light| light.kind == LightKind::Directional);
         Self {
             technique: Technique::Baked,
             taps: 3,
@@ -61,6 +71,10 @@ impl Settings {
             samples: 1,
             exposure_stops: 0.0,
             fog_per_m: 0.0,
+            anisotropy: 0.5,
+            area: Area::new(scene),
+            video_s: 0.0,
+            is_moving: false,
             sun_deg: sun.map_or([225.0, 45.0], |sun| angles(-sun.direction_world)),
         }
     }
@@ -92,7 +106,7 @@ impl Settings {
     }
 
     pub fn fog(&self) -> Option<Fog> {
-        (self.fog_per_m > 0.0).then_some(Fog { density_per_m: self.fog_per_m, anisotropy: 0.5 })
+        (self.fog_per_m > 0.0).then_some(Fog { density_per_m: self.fog_per_m, anisotropy: self.anisotropy })
     }
 
     /// The scene's lights with the sun where it was dragged; a scene without one gets one.
@@ -121,12 +135,12 @@ impl Settings {
 }
 
 /// Azimuth clockwise from north (-Z) and elevation of a direction towards the sun, degrees.
-fn angles(towards: DVec3) -> [f64; 2] {
+pub(crate) fn angles(towards: DVec3) -> [f64; 2] {
     let azimuth = towards.x.atan2(-towards.z).to_degrees();
     [azimuth.rem_euclid(360.0), towards.y.clamp(-1.0, 1.0).asin().to_degrees()]
 }
 
-fn direction([azimuth, elevation]: [f64; 2]) -> DVec3 {
+pub(crate) fn direction([azimuth, elevation]: [f64; 2]) -> DVec3 {
     let ((sin, cos), (sin_up, cos_up)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
     DVec3::new(cos_up * sin, sin_up, -cos_up * cos)
 }
@@ -155,7 +169,8 @@ mod tests {
             range_m: None,
         };
         let lights = [sun];
-        let mut settings = Settings::new(&lights);
+        let scene = Scene { lights: lights.to_vec(), ..Scene::default() };
+        let mut settings = Settings::new(&scene);
         assert_eq!(settings.lights(&lights)[0].direction_world, lights[0].direction_world);
         settings.sun_deg[1] += 5.0;
         assert!(settings.lights(&lights)[0].direction_world.y < lights[0].direction_world.y);

@@ -8,6 +8,7 @@ use antumbra_bake::{BakeOptions, ResolutionRequest};
 use antumbra_render::gpu::{Gpu, GpuRenderer, LampLists, Setting};
 use antumbra_render::{RenderError, Renderer, Time};
 use antumbra_scene::{Camera, Light, Scene};
+use glam::{DAffine3, DVec3};
 
 use crate::rebuild::Rebuild;
 use crate::settings::{Settings, Technique};
@@ -23,6 +24,8 @@ pub(crate) struct Stage {
     lit_by: LitBy,
     wanted: Vec<Light>,
     exposure: f32,
+    /// Whether dynamic nodes are not where the scene has them.
+    has_walked: bool,
 }
 
 /// What decides the light on the card.
@@ -31,6 +34,7 @@ struct LitBy {
     time: Option<Time>,
     top_grid: bool,
     is_baked: bool,
+    has_area: bool,
     /// Directions and names of the lights, and which bake.
     lights: Vec<(String, [u64; 3])>,
     bake: usize,
@@ -66,6 +70,7 @@ impl Stage {
             lit_by: LitBy::default(),
             wanted: lights,
             exposure: 1.0,
+            has_walked: false,
             scene,
         })
     }
@@ -76,8 +81,23 @@ impl Stage {
         let file = self.bake.as_ref().map(|(file, _)| Arc::clone(file));
         self.renderer.lamp_lists = if settings.is_clustered { LampLists::Clustered } else { LampLists::Tiled };
         self.renderer.fog = settings.fog();
+        self.renderer.area_lights = settings.area.lighting(settings.video_s);
+        self.walk(settings);
         let exposure = self.exposure * settings.exposure_stops.exp2();
         self.renderer.frame(camera, size, settings.samples, settings.lookup(file.as_deref()), exposure)
+    }
+
+    /// Moves what is dynamic: a metre and a half to and fro, each in its own time.
+    fn walk(&mut self, settings: &Settings) {
+        if !settings.is_moving && !self.has_walked {
+            return;
+        }
+        self.has_walked = settings.is_moving;
+        for (i, node) in self.scene.nodes.iter().enumerate().filter(|(_, node)| node.dynamic) {
+            let phase = settings.video_s + i as f64;
+            let by = if settings.is_moving { DVec3::Z * (1.5 * phase.sin()) } else { DVec3::ZERO };
+            self.renderer.move_node(i, node.world_from_mesh * DAffine3::from_translation(by));
+        }
     }
 
     /// Eases the exposure towards what suits the last frame: all the way at once, or by a share.
@@ -120,20 +140,23 @@ impl Stage {
             time: settings.time,
             top_grid: settings.has_top_grid,
             is_baked: bake.is_some(),
+            has_area: settings.area.is_on,
             lights: key(&lights),
             bake: bake.as_ref().map_or(0, |file| Arc::as_ptr(file) as usize),
         };
         if lit_by == self.lit_by {
             return Ok(());
         }
-        let night = settings.time.unwrap_or_else(|| Time::suiting(&lights)) == Time::Night;
+        let area = settings.area.lighting(settings.video_s).map_or(Vec::new(), |area| area.lights);
+        let suiting = || if area.is_empty() { Time::suiting(&lights) } else { Time::Night };
+        let night = settings.time.unwrap_or_else(suiting) == Time::Night;
         let rays = night.then(|| Renderer::new(&self.scene));
         let setting = Setting {
             lights,
             time: settings.time,
             bake,
             top_grid: settings.has_top_grid,
-            area: &[],
+            area: &area,
             rays: rays.as_ref(),
         };
         self.renderer.relight(setting)?;

@@ -125,6 +125,8 @@ enum Device {
     Gpu,
 }
 
+const NO_RAYS: &str = "the graphics card traces no rays: name a bake with --shadows FILE, or leave out --device gpu";
+
 /// Draws.
 pub fn run(args: &Args) -> Result<()> {
     let baked = is_baked(args)?;
@@ -137,12 +139,14 @@ pub fn run(args: &Args) -> Result<()> {
         light_as_baked(&mut scene, file);
     }
     let camera = camera(args, &scene)?;
+    let area = if args.day { None } else { args.area.lighting(&scene)? };
     let shadows = match (args.technique, &file) {
         (Some(Technique::Csm), _) => maps(args)?,
         (_, Some(file)) if baked => {
             warn_of_policies(&scene, file);
             looked_up(args, file)?
         }
+        _ if args.device == Device::Gpu && area.is_none() => bail!("{NO_RAYS}"),
         _ if args.device == Device::Gpu => {
             if !scene.lights.is_empty() && Time::suiting(&scene.lights) == Time::Night {
                 let words =
@@ -162,7 +166,7 @@ pub fn run(args: &Args) -> Result<()> {
         samples: args.samples,
         time: time(args),
         ao_samples,
-        area: args.area.lighting()?,
+        area,
         fog: args.fog.map(|density_per_m| Fog { density_per_m, anisotropy: 0.5 }),
         ..RenderOptions::default()
     };
@@ -186,9 +190,8 @@ fn is_baked(args: &Args) -> Result<bool> {
         if args.gather.is_some_and(|rays| rays > 0) {
             bail!("--gather sends rays, which the graphics card does not: leave it out, or --device gpu");
         }
-        let bare = args.shadows.is_none() && !args.area.is_there();
-        if args.technique.map_or(bare, |technique| technique == Technique::Traced) {
-            bail!("the graphics card traces no rays: name a bake with --shadows FILE, or leave out --device gpu");
+        if args.technique == Some(Technique::Traced) {
+            bail!("{NO_RAYS}");
         }
     }
     match (args.technique, args.shadows.is_some()) {

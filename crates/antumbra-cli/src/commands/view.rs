@@ -12,7 +12,11 @@ const HELP: &str = "A script has one step per line; # begins a comment:
   wait-bake                 wait for the bake in the background
   set KEY VALUE             technique baked|maps|none, filter K, kernel box|tent, prefilter none|mean|levels,
                             penumbra DEG, cascades N, lists tiled|clustered, time day|night|auto, samples N,
-                            fog PER-METRE, sun AZ,EL
+                            fog PER-METRE, sun AZ,EL, scatter G; area lights: area on|off,
+                            shape rectangle|disc|sphere|environment, light X,Y,Z, aim X,Y,Z, size W,H, color R,G,B,
+                            luminance CD, area-shadows voxels|one-by-one|maps|none, vpls N, voxels N, maps N,
+                            alpha N, theta N, phi N, gather full|interleaved|half, airlight exact|average,
+                            interpolation none|plain|fast, video SECONDS, moving on|off
   frame X,Y,Z X,Y,Z         draw a frame from an eye, looking at a target; metres
   screenshot PATH.png       save the window's picture, with its panel
 

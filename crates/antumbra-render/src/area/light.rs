@@ -3,37 +3,12 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use antumbra_scene::Bounds;
+use antumbra_scene::{AreaShape, Bounds};
 use glam::{DVec2, DVec3, Vec3};
 
 use super::Emission;
 use crate::RenderError;
 use crate::light::{LUX, luminance};
-
-/// The surface of a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AreaShape {
-    /// Shines to one side.
-    Rectangle {
-        /// Metres across.
-        width_m: f64,
-        /// Metres along the light's up.
-        height_m: f64,
-    },
-    /// Shines to one side.
-    Disc {
-        /// Metres.
-        radius_m: f64,
-    },
-    /// Shines to all sides. Its picture goes round it, with the light's position in the middle.
-    Sphere {
-        /// Metres.
-        radius_m: f64,
-    },
-    /// Everything around the scene, infinitely far away. Its picture is a map of longitude and latitude whose middle
-    /// shows north (-Z).
-    Environment,
-}
 
 /// A light with a surface that is equally bright from wherever it is seen.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,10 +5,13 @@
 
 mod emission;
 mod light;
+mod showing;
 
+pub use antumbra_scene::AreaShape;
 pub use emission::Emission;
-pub use light::{AreaLight, AreaShape};
+pub use light::AreaLight;
 pub(crate) use light::{LightPoint, Vpl, sampled};
+pub use showing::Showing;
 
 use crate::RenderError;
 

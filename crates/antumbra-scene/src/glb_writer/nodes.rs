@@ -1,10 +1,10 @@
-//! Nodes: placed meshes, then lights, then cameras.
+//! Nodes: placed meshes, then lights, those with a surface, and cameras.
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Value, json};
 
 use super::Written;
-use crate::model::{Camera, Light, LightKind, Node, Scene};
+use crate::model::{AreaLight, AreaShape, Camera, Light, LightKind, Node, Scene};
 
 /// glTF wants a near distance for a camera; the model has none.
 const CAMERA_NEAR_M: f64 = 0.1;
@@ -21,6 +21,9 @@ pub(super) fn nodes(scene: &Scene, meshes: &[Option<usize>]) -> Written<Vec<Valu
         let mut node = placed(&light.name, &world_from_light)?;
         node["extensions"] = extension;
         out.push(node);
+    }
+    for light in &scene.area_lights {
+        out.push(area_light(light, scene.images.len())?);
     }
     for (i, camera) in scene.cameras.iter().enumerate() {
         let (forward, up) = (camera.forward_world, camera.up_world);
@@ -43,6 +46,32 @@ fn mesh_node(node: &Node, meshes: &[Option<usize>]) -> Written<Value> {
         value["extras"] = json!({ "antumbra": "dynamic" });
     }
     Ok(value)
+}
+
+fn area_light(light: &AreaLight, images: usize) -> Written<Value> {
+    let (forward, up) = (light.direction_world, light.up_world);
+    let matrix3 = DMat3::from_cols(forward.cross(up), up, -forward);
+    let mut node = placed(&light.name, &DAffine3 { matrix3, translation: light.position_world })?;
+    if let Some(lost) = light.frames.iter().find(|frame| **frame >= images) {
+        return Err(format!("area light {:?} wants image {lost} of {images}", light.name));
+    }
+    let brightest = light.luminance.into_iter().fold(0.0, f32::max);
+    let color = light.luminance.map(|l| if brightest > 0.0 { f64::from(l) / f64::from(brightest) } else { 1.0 });
+    let mut extras = json!({ "antumbra": "area light", "luminance": brightest, "color": color });
+    match light.shape {
+        AreaShape::Rectangle { width_m, height_m } => {
+            (extras["shape"], extras["width"], extras["height"]) =
+                ("rectangle".into(), width_m.into(), height_m.into());
+        }
+        AreaShape::Disc { radius_m } => (extras["shape"], extras["radius"]) = ("disc".into(), radius_m.into()),
+        AreaShape::Sphere { radius_m } => (extras["shape"], extras["radius"]) = ("sphere".into(), radius_m.into()),
+        AreaShape::Environment => extras["shape"] = "environment".into(),
+    }
+    if !light.frames.is_empty() {
+        (extras["images"], extras["fps"]) = (light.frames.clone().into(), light.frames_per_second.into());
+    }
+    node["extras"] = extras;
+    Ok(node)
 }
 
 fn placed(name: &str, world_from_node: &DAffine3) -> Written<Value> {

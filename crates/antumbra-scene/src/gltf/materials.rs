@@ -8,10 +8,16 @@ use crate::error::SceneError;
 use crate::images::ImageStore;
 use crate::model::{AlphaMode, Image, Material, TextureRef, Wrap};
 
-/// Reads all materials and decodes the images they show.
-pub(super) fn read_materials(source: &Source<'_>) -> Result<(Vec<Material>, Vec<Image>), SceneError> {
+/// Reads all materials and decodes the images they show; and `others`, which then are indices of what was decoded.
+pub(super) fn read_materials<'i>(
+    source: &Source<'_>,
+    others: impl Iterator<Item = &'i mut usize>,
+) -> Result<(Vec<Material>, Vec<Image>), SceneError> {
     let mut textures = Textures { source, store: ImageStore::default(), decoded: FxHashMap::default() };
     let materials = source.root.materials.iter().map(|m| read_material(m, &mut textures)).collect::<Result<_, _>>()?;
+    for image in others {
+        *image = textures.image(*image)?;
+    }
     Ok((materials, textures.store.images))
 }
 

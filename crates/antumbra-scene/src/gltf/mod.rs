@@ -60,13 +60,15 @@ pub(crate) fn read(bytes: &[u8], name: &str, folder: Option<&Path>) -> Result<Sc
     let mut scene = Scene {
         name: name.to_owned(),
         lights: punctual::read_lights(&root, &placed)?,
+        area_lights: punctual::read_area_lights(&placed)?,
         cameras: punctual::read_cameras(&root, &placed)?,
         copyright: root.asset.copyright.clone(),
         ..Scene::default()
     };
     read_meshes(&source, &placed, &mut scene)?;
-    let scene = scene.with_something_left()?;
-    let (materials, images) = materials::read_materials(&source)?;
+    let mut scene = scene.with_something_left()?;
+    let frames = scene.area_lights.iter_mut().flat_map(|light| &mut light.frames);
+    let (materials, images) = materials::read_materials(&source, frames)?;
     Ok(Scene { materials, images, ..scene })
 }
 

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::nodes::Placed;
 use super::schema::{self, Root, item};
 use crate::error::SceneError;
-use crate::model::{Camera, Light, LightKind};
+use crate::model::{AreaLight, AreaShape, Camera, Light, LightKind};
 
 /// A spot's cone may not close completely: its projection needs a width.
 const MIN_OUTER_ANGLE: f64 = 1e-3;
@@ -52,6 +52,60 @@ fn read_kind(light: &schema::Light) -> Result<LightKind, SceneError> {
         }
         other => Err(SceneError::format(format!("a light has the unknown type {other:?}"))),
     }
+}
+
+/// The lights with a surface among the placed nodes, by their extras; indices of images are still the file's.
+pub(super) fn read_area_lights(placed: &[Placed<'_>]) -> Result<Vec<AreaLight>, SceneError> {
+    let is_one = |place: &&Placed<'_>| place.node.extras.get("antumbra").is_some_and(|v| v == "area light");
+    placed.iter().filter(is_one).map(read_area_light).collect()
+}
+
+fn read_area_light(place: &Placed<'_>) -> Result<AreaLight, SceneError> {
+    let extras = &place.node.extras;
+    let wrong = |what: String| SceneError::format(format!("the area light {:?} {what}", place.name));
+    let number = |key: &str, default: Option<f64>| match extras.get(key) {
+        None => default.ok_or_else(|| wrong(format!("lacks its {key}"))),
+        Some(value) => {
+            let number = value.as_f64().filter(|n| n.is_finite() && *n >= 0.0);
+            number.ok_or_else(|| wrong(format!("has a {key} that is no number of 0 or more")))
+        }
+    };
+    let metres = |key: &str| match number(key, None)? {
+        0.0 => Err(wrong(format!("has a {key} of 0"))),
+        size => Ok(size),
+    };
+    let list = |key: &str| match extras.get(key) {
+        None => Ok(Vec::new()),
+        Some(value) => {
+            let numbers: Option<Vec<f64>> = value.as_array().and_then(|all| all.iter().map(|v| v.as_f64()).collect());
+            numbers.ok_or_else(|| wrong(format!("has {key} that are no list of numbers")))
+        }
+    };
+    let shape = match extras.get("shape").and_then(|v| v.as_str()) {
+        Some("rectangle") => AreaShape::Rectangle { width_m: metres("width")?, height_m: metres("height")? },
+        Some("disc") => AreaShape::Disc { radius_m: metres("radius")? },
+        Some("sphere") => AreaShape::Sphere { radius_m: metres("radius")? },
+        Some("environment") => AreaShape::Environment,
+        _ => return Err(wrong("is no rectangle, disc, sphere or environment by its shape".to_owned())),
+    };
+    let luminance = number("luminance", Some(300.0))?;
+    let color = match list("color")?[..] {
+        [] => [1.0; 3],
+        [r, g, b] => [r, g, b].map(|c| c.max(0.0)),
+        _ => return Err(wrong("has a color that is not three numbers".to_owned())),
+    };
+    let direction_world = unit_or(place.world_from_node.transform_vector3(DVec3::NEG_Z), DVec3::NEG_Z);
+    Ok(AreaLight {
+        name: place.name.clone(),
+        shape,
+        position_world: place.world_from_node.translation,
+        direction_world,
+        up_world: upright(place.world_from_node.transform_vector3(DVec3::Y), direction_world),
+        luminance: color.map(|c| (c * luminance).min(f64::from(f32::MAX)) as f32),
+        // What is no index at all leads nowhere, and is refused with the images.
+        frames: list("images")?.into_iter().map(|i| if i >= 0.0 { i as usize } else { usize::MAX }).collect(),
+        frames_per_second: number("fps", Some(25.0))?,
+    })
 }
 
 /// The perspective cameras of the placed nodes, with unique names. Others have no counterpart in the model.

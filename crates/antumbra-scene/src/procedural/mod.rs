@@ -7,11 +7,13 @@
 
 mod city;
 mod foliage;
+mod hairball;
 mod landscape;
 mod noise;
 mod palette;
 mod rng;
 mod ruins;
+mod screen;
 mod sheets;
 mod solids;
 mod textures;
@@ -84,12 +86,18 @@ struct Recipe {
     build: fn(&Options) -> Scene,
 }
 
-static SCENES: [Recipe; 4] = [
+static SCENES: [Recipe; 6] = [
     Recipe {
         name: "city",
         summary: "a downtown by a river: about a million triangles, all closed solids",
         takes_lamps: true,
         build: city::build,
+    },
+    Recipe {
+        name: "hairball",
+        summary: "a ball of fibres in the light of a screen: about 350,000 triangles, all closed; for area lights",
+        takes_lamps: false,
+        build: hairball::build,
     },
     Recipe {
         name: "landscape",
@@ -102,6 +110,12 @@ static SCENES: [Recipe; 4] = [
         summary: "an overgrown abbey: thin open walls and vaults, leaves cut out by alpha masks",
         takes_lamps: false,
         build: ruins::build,
+    },
+    Recipe {
+        name: "screen",
+        summary: "a large television in a street at night, with onlookers; an area light that shows a video",
+        takes_lamps: false,
+        build: screen::build,
     },
     Recipe {
         name: "village",

@@ -11,7 +11,7 @@ use super::{NAMES, Options, ProceduralError, build};
 use crate::model::{Mesh, Scene};
 
 /// The scenes that are made of closed solids.
-const CLOSED: [&str; 3] = ["city", "landscape", "village"];
+const CLOSED: [&str; 5] = ["city", "hairball", "landscape", "screen", "village"];
 
 type Corner = [u32; 3];
 
@@ -151,8 +151,10 @@ fn every_node_is_sound_and_most_scenes_are_closed() {
 fn whole_size_scenes_are_sound_and_of_the_promised_size() {
     for (name, lowest, highest) in [
         ("city", 900_000, 1_200_000),
+        ("hairball", 340_000, 370_000),
         ("landscape", 1_900_000, 2_100_000),
         ("ruins", 150_000, 210_000),
+        ("screen", 15_000, 60_000),
         ("village", 150_000, 210_000),
     ] {
         for seed in [1, 7, 12_345] {
@@ -194,8 +196,10 @@ fn the_seed_decides() {
 fn scenes_stay_as_they_are() {
     for (name, expected) in [
         ("city", 0xcb8a_fabe_868c_602c_u64),
+        ("hairball", 0xc2e0_c043_d885_9109),
         ("landscape", 0xd247_b9b7_0d65_eb5e),
         ("ruins", 0xba57_dfcb_6680_b884),
+        ("screen", 0x3c3f_6571_cc4c_a010),
         ("village", 0xd2ae_aeeb_ed66_4e92),
     ] {
         let got = fingerprint(&scene(name, 1, 0.15));
@@ -212,7 +216,7 @@ fn bad_requests_are_refused_with_a_reason() {
         assert!(matches!(error, ProceduralError::Scale { .. }));
     }
     let lamps = |lamps: u32| Options { lamps, ..Options::default() };
-    for name in ["landscape", "ruins", "village"] {
+    for name in ["hairball", "landscape", "ruins", "screen", "village"] {
         let error = build(name, &lamps(1)).expect_err("no lamps");
         assert!(error.to_string().contains(name), "{error}");
     }

@@ -2,8 +2,8 @@
 
 use antumbra_scene::procedural::{Options, build};
 use antumbra_scene::{
-    AlphaMode, Camera, Dropped, Image, Light, LightKind, Material, Mesh, Node, Primitive, Scene, SceneError,
-    TextureRef, Wrap, load_glb_slice, to_glb,
+    AlphaMode, AreaLight, AreaShape, Camera, Dropped, Image, Light, LightKind, Material, Mesh, Node, Primitive, Scene,
+    SceneError, TextureRef, Wrap, load_glb_slice, to_glb,
 };
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -75,6 +75,16 @@ fn sample() -> Scene {
             light("lamp", LightKind::Point),
             light("spot", LightKind::Spot { inner_angle: 0.1, outer_angle: 0.7 }),
         ],
+        area_lights: vec![AreaLight {
+            name: "screen".to_owned(),
+            shape: AreaShape::Rectangle { width_m: 1.0 / 3.0, height_m: 0.7 },
+            position_world: DVec3::new(0.1, 2.0, 1.0 / 3.0),
+            direction_world: forward,
+            up_world: (DVec3::Y - forward * forward.y).normalize(),
+            luminance: [0.1, 300.7, 1.0 / 3.0],
+            frames: vec![0, 0],
+            frames_per_second: 0.1,
+        }],
         cameras: vec![Camera {
             name: "overview".to_owned(),
             eye_world: DVec3::new(0.1, 0.2, 0.3),
@@ -117,6 +127,7 @@ fn everything_comes_back() {
     same(&back.materials, &scene.materials);
     same(&back.images, &scene.images);
     same(&back.cameras, &scene.cameras);
+    same(&back.area_lights, &scene.area_lights);
     same(&back.copyright, &scene.copyright);
     same(back.dropped, scene.dropped);
     for (a, b) in back.lights.iter().zip(&scene.lights) {
@@ -196,6 +207,7 @@ fn procedural_scenes_come_back() {
         }
         same(&back.lights, &scene.lights);
         same(&back.cameras, &scene.cameras);
+        same(&back.area_lights, &scene.area_lights);
         // Images come back in the order in which materials show them.
         assert_eq!((back.materials.len(), back.images.len()), (scene.materials.len(), scene.images.len()));
         for (a, b) in back.materials.iter().zip(&scene.materials) {
