@@ -13,12 +13,12 @@ use glam::DVec3;
 
 use crate::{args, inputs};
 
-/// Lights with a surface, and how their shadows are found.
+/// Lights with a surface.
 #[derive(clap::Args, Clone, Debug)]
-pub struct AreaArgs {
+pub struct LightArgs {
     /// A light with a surface, which casts soft shadows, in --fog too: rectangle=WIDTH,HEIGHT, disc=RADIUS, sphere=RADIUS
     /// (metres), or environment [default: those of the scene, if it has any, at night]
-    #[arg(long, value_name = "SHAPE", value_parser = parse_shape, requires = "light_at", conflicts_with = "day")]
+    #[arg(long, value_name = "SHAPE", value_parser = parse_shape, requires = "light_at")]
     area_light: Option<AreaShape>,
     /// Where its middle is, metres
     #[arg(long, value_name = "X,Y,Z", value_parser = args::parse_point, allow_hyphen_values = true, requires = "area_light")]
@@ -38,6 +38,13 @@ pub struct AreaArgs {
     /// Time at which the scene's lights show a frame of their videos, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, conflicts_with = "area_light")]
     video_time: f64,
+}
+
+/// Lights with a surface, and how their shadows are found.
+#[derive(clap::Args, Clone, Debug)]
+pub struct AreaArgs {
+    #[command(flatten)]
+    light: LightArgs,
     /// How its shadows are found
     #[arg(long, value_enum, value_name = "HOW", default_value_t = Shadows::Voxels)]
     area_shadows: Shadows,
@@ -107,19 +114,18 @@ fn parse_shape(text: &str) -> Result<AreaShape, String> {
     }
 }
 
-fn parse_voxels(text: &str) -> Result<u32, String> {
+pub fn parse_voxels(text: &str) -> Result<u32, String> {
     let side = text.parse().ok().filter(|side: &u32| (32..=512).contains(side) && side.is_multiple_of(32));
     side.ok_or_else(|| "it must be a multiple of 32 from 32 to 512".to_owned())
 }
 
-impl AreaArgs {
+impl LightArgs {
     /// The light that they describe; without one, those of the scene.
-    pub fn lighting(&self, scene: &Scene) -> Result<Option<AreaLighting>> {
-        let lights = match self.light()? {
+    pub fn lights(&self, scene: &Scene) -> Result<Vec<AreaLight>> {
+        Ok(match self.light()? {
             Some(light) => vec![light],
             None => Showing::of_scene(scene).iter().map(|showing| showing.at(self.video_time)).collect(),
-        };
-        Ok((!lights.is_empty()).then(|| self.of(lights)))
+        })
     }
 
     fn light(&self) -> Result<Option<AreaLight>> {
@@ -130,9 +136,16 @@ impl AreaArgs {
         light.emission = self.light_image.as_deref().map(emission).transpose()?;
         Ok(Some(light))
     }
+}
 
-    /// Lights with their shadows found as wished.
-    pub fn of(&self, lights: Vec<AreaLight>) -> AreaLighting {
+impl AreaArgs {
+    /// The lights, those of the scene if none is described, with their shadows found as wished.
+    pub fn lighting(&self, scene: &Scene) -> Result<Option<AreaLighting>> {
+        let lights = self.light.lights(scene)?;
+        Ok((!lights.is_empty()).then(|| self.of(lights)))
+    }
+
+    fn of(&self, lights: Vec<AreaLight>) -> AreaLighting {
         AreaLighting {
             technique: match self.area_shadows {
                 Shadows::Voxels => AreaTechnique::Voxels,

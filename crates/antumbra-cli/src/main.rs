@@ -6,6 +6,7 @@
 mod area;
 mod args;
 mod bench;
+mod camera;
 mod commands;
 mod compare;
 mod describe;

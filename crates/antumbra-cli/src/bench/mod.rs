@@ -2,13 +2,15 @@
 //!
 //! A table is a module that measures and hands over a [`report::Report`]: rows for JSON, sections for Markdown and plots.
 //! [`ablations`] runs inside this process; [`construction`] and [`lamps`] run every bake as a child process
-//! ([`child`]), so that its peak memory is its own; [`csm`] and [`fly`] draw frames on the graphics card along a way ([`path`]).
+//! ([`child`]), so that its peak memory is its own; [`csm`] and [`fly`] draw frames on the graphics card along a way ([`path`]), [`ivsv`] one
+//! frame again and again.
 
 pub mod ablations;
 pub mod child;
 pub mod construction;
 pub mod csm;
 pub mod fly;
+pub mod ivsv;
 pub mod lamps;
 pub mod path;
 pub mod plot;

@@ -35,6 +35,7 @@ pub const GREY: RGBColor = RGBColor(120, 120, 120);
 pub const ORANGE: RGBColor = RGBColor(213, 94, 0);
 pub const AMBER: RGBColor = RGBColor(225, 160, 30);
 pub const BLUE: RGBColor = RGBColor(0, 90, 160);
+pub const GREEN: RGBColor = RGBColor(90, 160, 110);
 
 /// Of a panel, pixels.
 const SIZE: (u32, u32) = (640, 400);

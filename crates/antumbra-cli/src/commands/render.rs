@@ -5,16 +5,14 @@ use std::sync::Arc;
 
 use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
 use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
-use antumbra_render::{
-    Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera, look_at,
-};
+use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
 use antumbra_scene::{Camera, LightKind, Scene};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::ValueEnum;
-use glam::DVec3;
 
 use crate::area::AreaArgs;
 use crate::args::{self, FilterArgs, RunArgs};
+use crate::camera::CameraArgs;
 use crate::output::{self, OutputFile};
 use crate::progress::Progress;
 use crate::{inputs, lights};
@@ -31,18 +29,8 @@ pub struct Args {
     /// A bake of the scene; its lights light the picture
     #[arg(long, value_name = "FILE")]
     shadows: Option<PathBuf>,
-    /// A camera of the scene [default: its first, or one that sees everything]
-    #[arg(long, value_name = "NAME")]
-    camera: Option<String>,
-    /// Instead of --camera: where the eye is, metres
-    #[arg(long, value_name = "X,Y,Z", value_parser = args::parse_point, allow_hyphen_values = true, requires = "target", conflicts_with = "camera")]
-    eye: Option<DVec3>,
-    /// What the eye looks at, metres
-    #[arg(long, value_name = "X,Y,Z", value_parser = args::parse_point, allow_hyphen_values = true, requires = "eye")]
-    target: Option<DVec3>,
-    /// Vertical field of view of --eye, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 45.0, requires = "eye")]
-    fov: f64,
+    #[command(flatten)]
+    camera: CameraArgs,
     /// Pixels
     #[arg(long, value_name = "WxH", value_parser = args::parse_picture_size, default_value = "1280x720")]
     size: [u32; 2],
@@ -70,7 +58,7 @@ pub struct Args {
     #[command(flatten)]
     area: AreaArgs,
     /// In daylight [default: unless the scene has lamps and no directional light of 10 lux or more]
-    #[arg(long, conflicts_with = "night")]
+    #[arg(long, conflicts_with_all = ["night", "area_light"])]
     day: bool,
     /// At night: lit by spot and point lights, and by directional lights of less than 10 lux
     #[arg(long)]
@@ -138,7 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(file) = &file {
         light_as_baked(&mut scene, file);
     }
-    let camera = camera(args, &scene)?;
+    let camera = args.camera.camera(&scene, &args.scene)?;
     let area = if args.day { None } else { args.area.lighting(&scene)? };
     let shadows = match (args.technique, &file) {
         (Some(Technique::Csm), _) => maps(args)?,
@@ -333,17 +321,4 @@ fn light_as_baked(scene: &mut Scene, file: &ShadowFile) {
             None => lights::put(scene, lights::directional(baked.name(), direction_world)),
         }
     }
-}
-
-fn camera(args: &Args, scene: &Scene) -> Result<Camera> {
-    if let (Some(eye), Some(target)) = (args.eye, args.target) {
-        return look_at(eye, target, args.fov.to_radians()).context("--eye and --target make no camera");
-    }
-    let Some(name) = &args.camera else {
-        return scene.cameras.first().map_or_else(|| Ok(default_camera(scene)?), |camera| Ok(camera.clone()));
-    };
-    scene.cameras.iter().find(|camera| camera.name == *name).cloned().with_context(|| {
-        let names = inputs::listed(scene.cameras.iter().map(|camera| camera.name.as_str()));
-        format!("{} has no camera \"{name}\"; it has: {names}", args.scene.display())
-    })
 }
