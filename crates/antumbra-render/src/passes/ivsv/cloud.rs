@@ -6,15 +6,15 @@
 //! and Dai (2013, section 5) leave to the future.
 
 use antumbra_scene::{AlphaMode, AlphaTest, Node, Primitive, Scene};
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::area::Vpl;
 use crate::sampling::{hash, r2};
 
 /// Points of a chunk.
 const CHUNK: usize = 64;
-/// Discs overlap a little, or light would pass between them.
-const OVERLAP: f32 = 1.25;
+/// Discs overlap, or light would pass between them.
+const OVERLAP: f64 = 1.5;
 
 /// A point of the scene, in mesh space.
 #[derive(Clone, Copy, Debug)]
@@ -29,10 +29,21 @@ struct Chunk {
     node: usize,
     first: u32,
     count: u32,
-    /// Of its points, in mesh space.
-    middle: [f32; 3],
+    hull: Hull,
     /// Of what its points stand for, world, m².
     area_m2: f64,
+}
+
+/// A box about a chunk, at which its discs end: or bars and limbs would swell to walls.
+#[derive(Clone, Copy, Debug)]
+struct Hull {
+    /// In mesh space.
+    middle: [f32; 3],
+    /// Unit vectors in mesh space: along its length, and across.
+    along: Vec3,
+    across: Vec3,
+    /// Half of what it measures along them and along the third, metres.
+    half_m: [f32; 3],
 }
 
 /// A scene's points.
@@ -58,8 +69,17 @@ pub(crate) struct Share {
     pub begin: u32,
     pub first: u32,
     pub count: u32,
-    /// Radius of the disc that one of its points stands for.
+    /// Radius of the discs that its points are drawn as, and the area that each stands for.
     pub radius_m: f32,
+    /// The box at which discs end: its middle, two axes (the third is at right angles to them), half its sides.
+    pub middle: [f32; 3],
+    pub area_m2: f32,
+    pub along: [f32; 3],
+    pub half_along_m: f32,
+    pub across: [f32; 3],
+    pub half_across_m: f32,
+    pub half_third_m: f32,
+    pub pad: [u32; 3],
 }
 
 /// The cloud in one frame.
@@ -98,13 +118,13 @@ impl Cloud {
                 before = after;
             }
             order(&mut found);
-            return Self::of_points(&found, step);
+            return Self::of_points(scene, &found, step);
         }
         Self { points: Vec::new(), chunks: Vec::new() }
     }
 
     /// Cuts points that lie in order of their nodes and places into chunks.
-    fn of_points(found: &[(usize, u64, DVec3, Point)], area_m2: f64) -> Self {
+    fn of_points(scene: &Scene, found: &[(usize, u64, DVec3, Point)], area_m2: f64) -> Self {
         let (mut points, mut chunks) = (Vec::with_capacity(found.len()), Vec::new());
         for of_node in found.chunk_by(|a, b| a.0 == b.0) {
             for chunk in of_node.chunks(CHUNK) {
@@ -115,10 +135,9 @@ impl Cloud {
                     own.swap(i, hash(first + i as u32) as usize % (i + 1));
                 }
                 let count = own.len() as u32;
-                let middle = own.iter().map(|point| Vec3::from(point.position)).sum::<Vec3>() / count as f32;
                 points.extend(own);
-                let (node, middle, area_m2) = (chunk[0].0, middle.to_array(), area_m2 * f64::from(count));
-                chunks.push(Chunk { node, first, count, middle, area_m2 });
+                let hull = Hull::of(chunk, &scene.nodes[chunk[0].0], area_m2);
+                chunks.push(Chunk { node: chunk[0].0, first, count, hull, area_m2: area_m2 * f64::from(count) });
             }
         }
         Self { points, chunks }
@@ -141,11 +160,38 @@ impl Cloud {
 
     /// How many of each chunk's points go into each map of `budget` points for these VPLs.
     pub fn shares(&self, nodes: &[Node], eye: DVec3, vpls: &[Vpl], budget: u32) -> Vec<Share> {
-        let wish = |chunk: &Chunk| {
-            let middle = (nodes[chunk.node].world_point(chunk.middle) - eye).as_vec3();
-            chunk.area_m2 * solid_angle(middle, chunk.area_m2, vpls)
+        let middle = |chunk: &Chunk| (nodes[chunk.node].world_point(chunk.hull.middle) - eye).as_vec3();
+        let wish = |chunk: &Chunk| chunk.area_m2 * solid_angle(middle(chunk), chunk.area_m2, vpls);
+        let quotas = self.quotas(&self.chunks.iter().map(wish).collect::<Vec<_>>(), budget);
+        let all: f64 = quotas.iter().sum();
+        let mut before = 0.0;
+        let mut share = |(chunk, quota): (&Chunk, &f64)| {
+            let begin = (before / all.max(f64::MIN_POSITIVE) * 4_294_967_296.0) as u32;
+            before += quota;
+            // A map that has none of a chunk's points is as likely as its quota is small: then they stand for all of it.
+            let area_m2 = chunk.area_m2 / quota.max(1.0);
+            let radius_m = ((area_m2 / std::f64::consts::PI).sqrt() * OVERLAP) as f32;
+            let turned = |axis: Vec3| {
+                let world = nodes[chunk.node].world_from_mesh.matrix3 * axis.as_dvec3();
+                world.normalize_or_zero().as_vec3().to_array()
+            };
+            let Hull { along, across, half_m: [half_along_m, half_across_m, half_third_m], .. } = chunk.hull;
+            Share {
+                begin,
+                first: chunk.first,
+                count: chunk.count,
+                radius_m,
+                middle: middle(chunk).to_array(),
+                area_m2: area_m2 as f32,
+                along: turned(along),
+                half_along_m,
+                across: turned(across),
+                half_across_m,
+                half_third_m,
+                pad: [0; 3],
+            }
         };
-        self.shared(&self.chunks.iter().map(wish).collect::<Vec<_>>(), budget)
+        self.chunks.iter().zip(&quotas).map(&mut share).collect()
     }
 
     /// Number of points.
@@ -172,7 +218,7 @@ impl Cloud {
     }
 
     /// Shares a budget out by wishes; no chunk gets more than it has points, as long as others can take the rest.
-    fn shared(&self, wishes: &[f64], budget: u32) -> Vec<Share> {
+    fn quotas(&self, wishes: &[f64], budget: u32) -> Vec<f64> {
         let count = |i: usize| f64::from(self.chunks[i].count);
         let (mut scale, mut full) = (0.0, vec![false; wishes.len()]);
         for _ in 0..8 {
@@ -189,19 +235,46 @@ impl Cloud {
                 break;
             }
         }
-        let quotas: Vec<f64> =
-            wishes.iter().enumerate().map(|(i, wish)| if full[i] { count(i) } else { wish * scale }).collect();
-        let all: f64 = quotas.iter().sum();
-        let mut before = 0.0;
-        let mut share = |(chunk, quota): (&Chunk, &f64)| {
-            let begin = (before / all.max(f64::MIN_POSITIVE) * 4_294_967_296.0) as u32;
-            before += quota;
-            // A map that has none of a chunk's points is as likely as its quota is small: then they stand for all of it.
-            let stands_for = chunk.area_m2 / quota.max(1.0);
-            let radius_m = (stands_for / std::f64::consts::PI).sqrt() as f32 * OVERLAP;
-            Share { begin, first: chunk.first, count: chunk.count, radius_m }
-        };
-        self.chunks.iter().zip(&quotas).map(&mut share).collect()
+        wishes.iter().enumerate().map(|(i, wish)| if full[i] { count(i) } else { wish * scale }).collect()
+    }
+}
+
+impl Hull {
+    /// About points that a node places, each of which stands for so much area: along their principal axes.
+    fn of(points: &[(usize, u64, DVec3, Point)], node: &Node, area_m2: f64) -> Self {
+        let worlds = || points.iter().map(|(_, _, world, _)| *world);
+        let mean = worlds().sum::<DVec3>() / points.len() as f64;
+        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
+        let spread = worlds().fold(DMat3::ZERO, |sum, world| sum + outer(world - mean));
+        // The greatest axis by repeated multiplication, from where hardly any scene's axes are at right angles to it.
+        let mut along = DVec3::new(0.48, 0.64, 0.6);
+        for _ in 0..32 {
+            along = (spread * along).try_normalize().unwrap_or(along);
+        }
+        // The second, in the plane across it.
+        let (x, y) = along.any_orthonormal_pair();
+        let (p, q, s) = (x.dot(spread * x), x.dot(spread * y), y.dot(spread * y));
+        let turn = 0.5 * (2.0 * q).atan2(p - s);
+        let across = x * turn.cos() + y * turn.sin();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for world in worlds() {
+            let way = world - mean;
+            let at = DVec3::new(way.dot(along), way.dot(across), way.dot(along.cross(across)));
+            (low, high) = (low.min(at), high.max(at));
+        }
+        // To the borders of what the outermost points stand for, but where all lie in a plane or on a line.
+        let half = 0.5 * (high - low);
+        let half_m = (half + (0.5 * area_m2.sqrt()).min(0.5 * half.x) * half.signum()).max(DVec3::splat(1e-3 * half.x));
+        let at = 0.5 * (low + high);
+        let middle = mean + along * at.x + across * at.y + along.cross(across) * at.z;
+        let back = node.world_from_mesh.inverse();
+        let mesh = |axis: DVec3| back.transform_vector3(axis).normalize_or_zero().as_vec3();
+        Self {
+            middle: back.transform_point3(middle).as_vec3().to_array(),
+            along: mesh(along),
+            across: mesh(across),
+            half_m: half_m.as_vec3().to_array(),
+        }
     }
 }
 

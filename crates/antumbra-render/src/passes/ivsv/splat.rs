@@ -6,7 +6,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::cloud::Cast;
+use super::cloud::{Cast, Share};
 use crate::area::Vpl;
 use crate::sampling::hash;
 
@@ -16,7 +16,7 @@ pub(crate) const EMPTY: u32 = u32::MAX;
 const MOST_TEXELS: f32 = 4.0;
 /// Coarser copies of a map, from which its holes are filled.
 const FILL_LEVELS: u32 = 3;
-/// A disc is a line, and covers one texel, when the cosine of its normal is less.
+/// A disc is a line when the cosine of its normal is less.
 const EDGE_ON: f32 = 0.02;
 /// Neighbouring texels show one surface when their distances differ by less than this share.
 const ONE_SURFACE: f32 = 0.15;
@@ -30,23 +30,36 @@ pub(crate) struct Map {
     pub texels: Vec<u32>,
 }
 
-/// What a point stands for, as seen from a light.
-struct Disc {
+/// What a point stands for, as seen from a light: a disc within its chunk's box.
+struct Disc<'s> {
     away: Vec3,
     r: f32,
     radius_m: f32,
     normal: Vec3,
+    /// From the light to the middle of the box.
+    middle: Vec3,
+    share: &'s Share,
 }
 
-impl Disc {
+impl Disc<'_> {
     /// How far away a ray from the light meets it.
     fn meets(&self, direction: Vec3) -> Option<f32> {
         let facing = direction.dot(self.normal);
         let t = self.away.dot(self.normal) / facing;
+        let there = direction * t;
         let is_there = t > 0.0
             && facing.abs() > EDGE_ON
-            && (direction * t).distance_squared(self.away) <= self.radius_m * self.radius_m;
+            && there.distance_squared(self.away) <= self.radius_m * self.radius_m
+            && self.is_in_box(there - self.middle);
         is_there.then_some(t)
+    }
+
+    fn is_in_box(&self, at: Vec3) -> bool {
+        let Share { half_along_m, half_across_m, half_third_m, .. } = *self.share;
+        let (along, across) = (Vec3::from(self.share.along), Vec3::from(self.share.across));
+        at.dot(along).abs() <= half_along_m
+            && at.dot(across).abs() <= half_across_m
+            && at.dot(along.cross(across)).abs() <= half_third_m
     }
 }
 
@@ -102,27 +115,34 @@ impl Map {
         let paraboloid = Paraboloid::new(vpl, side);
         for index in 0..budget {
             let (share, point) = chosen(cast, number, index, budget);
-            let point = &cast.points[point];
+            let (share, point) = (&cast.shares[share], &cast.points[point]);
             let away = point.position - vpl.position;
             let r = away.length();
             let direction = away / r.max(1e-9);
             let Some((at, z)) = paraboloid.texel(direction) else { continue };
             let per_radian = 0.5 * side as f32 / (vpl.spread * (1.0 + z));
-            let radius_m = cast.shares[share].radius_m.min(MOST_TEXELS * r / per_radian);
-            map.disc(&paraboloid, at, radius_m / r * per_radian, &Disc { away, r, radius_m, normal: point.normal });
+            let radius_m = share.radius_m.min(MOST_TEXELS * r / per_radian);
+            let middle = Vec3::from(share.middle) - vpl.position;
+            let disc = Disc { away, r, radius_m, normal: point.normal, middle, share };
+            // What fills less than a texel has it as often.
+            let per_metre = per_radian / r;
+            let texels = share.area_m2 * direction.dot(point.normal).abs() * per_metre * per_metre;
+            let has_own = (hash(index ^ hash(number)) >> 8) as f32 / 16_777_216.0 < texels;
+            map.disc(&paraboloid, at, radius_m * per_metre, &disc, has_own);
         }
         map
     }
 
-    /// Draws a disc, each texel as far away as it is there: the texel of its middle, and those whose rays meet it.
-    fn disc(&mut self, paraboloid: &Paraboloid, at: Vec2, radius: f32, disc: &Disc) {
+    /// Draws a disc, each texel as far away as it is there: those whose rays meet it, and the texel of its middle if it has
+    /// that.
+    fn disc(&mut self, paraboloid: &Paraboloid, at: Vec2, radius: f32, disc: &Disc<'_>, has_own: bool) {
         let side = self.side as i32;
         let (low, high) = ((at - radius).floor().as_ivec2(), (at + radius).floor().as_ivec2());
         let own = at.floor().as_ivec2();
         for y in low.y.max(0)..=high.y.min(side - 1) {
             for x in low.x.max(0)..=high.x.min(side - 1) {
                 let meets = disc.meets(paraboloid.direction(x as u32, y as u32));
-                let is_own = x == own.x && y == own.y;
+                let is_own = has_own && x == own.x && y == own.y;
                 let Some(r) = meets.or(if is_own { Some(disc.r) } else { None }) else { continue };
                 let texel = &mut self.texels[(y * side + x) as usize];
                 *texel = r.to_bits().min(*texel);

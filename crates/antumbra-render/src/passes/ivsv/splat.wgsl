@@ -12,6 +12,16 @@ struct Share {
     first: u32,
     count: u32,
     radius_m: f32,
+    middle: vec3<f32>,
+    area_m2: f32,
+    along: vec3<f32>,
+    half_along_m: f32,
+    across: vec3<f32>,
+    half_across_m: f32,
+    half_third_m: f32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
 }
 
 @group(0) @binding(0) var<storage, read> batch: Batch;
@@ -59,8 +69,16 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let per_radian = 0.5 * f32(batch.map) * vpl.per_spread / (1.0 + seen.z);
-    let radius_m = min(shares[choice.x].radius_m, MOST_TEXELS * r / per_radian);
-    let radius = radius_m / r * per_radian;
+    let share = shares[choice.x];
+    let radius_m = min(share.radius_m, MOST_TEXELS * r / per_radian);
+    let per_metre = per_radian / r;
+    let radius = radius_m * per_metre;
+    let box = vec3(share.half_along_m, share.half_across_m, share.half_third_m);
+    let axes = transpose(mat3x3(share.along, share.across, cross(share.along, share.across)));
+    let middle = share.middle - vpl.position;
+    // What fills less than a texel has it as often.
+    let texels = share.area_m2 * abs(dot(away / max(r, 1e-9), point.normal)) * per_metre * per_metre;
+    let has_own = f32(hash(id.x ^ hash(number)) >> 8u) / 16777216.0 < texels;
     let last = vec2(i32(batch.map) - 1);
     let low = max(vec2<i32>(floor(seen.xy - radius)), vec2(0));
     let high = min(vec2<i32>(floor(seen.xy + radius)), last);
@@ -72,8 +90,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             let facing = dot(direction, point.normal);
             let t = before / facing;
             let aside = direction * t - away;
-            let meets = abs(facing) > EDGE_ON && t > 0.0 && dot(aside, aside) <= radius_m * radius_m;
-            if meets || all(vec2(x, y) == own) {
+            let meets = abs(facing) > EDGE_ON && t > 0.0 && dot(aside, aside) <= radius_m * radius_m
+                && all(abs(axes * (direction * t - middle)) <= box);
+            if meets || has_own && all(vec2(x, y) == own) {
                 let first = id.y * batch.map * batch.map;
                 let bits = bitcast<u32>(select(r, t, meets));
                 atomicMin(&maps[first + u32(y) * batch.map + u32(x)], bits);
