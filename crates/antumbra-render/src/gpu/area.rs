@@ -397,17 +397,14 @@ impl Area {
         room: &Room,
         lights: &Lights,
     ) {
-        let AreaPasses { clear, splat, fill, .. } = &self.passes;
+        let AreaPasses { clear, splat, .. } = &self.passes;
         let cleared = bind(gpu, clear, &[params, &room.maps]);
         let drawn = bind(gpu, splat, &[params, &lights.vpls, &lights.shares, &self.placed, &room.maps]);
-        let filled = bind(gpu, fill, &[params, &room.maps]);
-        let blocks = batch.map / 8;
         recorder.computes(
             "VPL maps",
             &[
                 step(clear, &[&cleared], [(batch.map * batch.map).div_ceil(64), batch.count, 1]),
                 step(splat, &[&drawn], [batch.points.div_ceil(64), batch.count, 1]),
-                step(fill, &[&filled], [blocks, blocks, batch.count]),
             ],
         );
     }
@@ -518,7 +515,7 @@ mod tests {
             let first = if technique == AreaTechnique::OneByOne { 19 } else { 0 };
             let [mut off, mut all] = [[0; 2]; 2];
             for (slot, (number, vpl)) in vpls.iter().enumerate().skip(first).enumerate() {
-                let map = Map::draw(vpl, number as u32, &cast, size.map, size.points).filled();
+                let map = Map::draw(vpl, number as u32, &cast, size.map, size.points);
                 let space = Epipolar::new(vpl, &view, far_from(view.eye, &bounds, bounds.diagonal()), size);
                 let own = |all: &[u32], count: usize| all[slot * count..(slot + 1) * count].to_vec();
                 let there = own(&maps, (size.map * size.map) as usize);

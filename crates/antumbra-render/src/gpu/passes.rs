@@ -91,7 +91,6 @@ pub(crate) fn area_sources(way: GatherWay) -> Vec<(&'static str, String)> {
         own("place points", &[include_str!("../passes/ivsv/place.wgsl")]),
         own("clear maps", &[include_str!("../passes/ivsv/clear.wgsl")]),
         own("splat", &[FRAME, include_str!("../passes/ivsv/splat.wgsl")]),
-        own("fill", &[include_str!("../passes/ivsv/fill.wgsl")]),
         own("rectify", &[MAP, include_str!("../passes/ivsv/rectify.wgsl")]),
         own("scan", &[include_str!("../passes/ivsv/scan.wgsl")]),
         own("begin", &[include_str!("../passes/ivsv/begin.wgsl")]),
@@ -108,7 +107,6 @@ pub(crate) struct AreaPasses {
     pub place: Kernel,
     pub clear: Kernel,
     pub splat: Kernel,
-    pub fill: Kernel,
     pub rectify: Kernel,
     pub scan: Kernel,
     pub begin: Kernel,
@@ -131,7 +129,6 @@ impl AreaPasses {
             place: kernel("place points", &[Read, Read, Read, Write]),
             clear: kernel("clear maps", &[Read, Write]),
             splat: kernel("splat", &[Read, Read, Read, Read, Write]),
-            fill: kernel("fill", &[Read, Write]),
             rectify: kernel("rectify", &[Read, Read, Read, Write]),
             scan: kernel("scan", &[Read, Read, Write]),
             begin: kernel("begin", &[Read, Read, Write]),
@@ -414,6 +411,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(found, [9, 9, 2, 1].map(|n| 54 * n));
+        assert_eq!(found, [8, 8, 2, 1].map(|n| 54 * n));
     }
 }

@@ -14,7 +14,7 @@ use crate::sampling::{hash, r2};
 /// Points of a chunk.
 const CHUNK: usize = 64;
 /// Discs overlap, or light would pass between them.
-const OVERLAP: f64 = 1.5;
+const OVERLAP: f64 = 1.25;
 
 /// A point of the scene, in mesh space.
 #[derive(Clone, Copy, Debug)]
@@ -264,7 +264,9 @@ impl Hull {
         }
         // To the borders of what the outermost points stand for, but where all lie in a plane or on a line.
         let half = 0.5 * (high - low);
-        let half_m = (half + (0.5 * area_m2.sqrt()).min(0.5 * half.x) * half.signum()).max(DVec3::splat(1e-3 * half.x));
+        let spacing = area_m2.sqrt();
+        let margin = 0.25 * spacing * (half / spacing - 0.5).clamp(DVec3::ZERO, DVec3::ONE);
+        let half_m = (half + margin).max(DVec3::splat(1e-3 * half.x));
         let at = 0.5 * (low + high);
         let middle = mean + along * at.x + across * at.y + along.cross(across) * at.z;
         let back = node.world_from_mesh.inverse();

@@ -4,8 +4,8 @@
 //! al. (2008), "Imperfect Shadow Maps for Efficient Computation of Indirect Illumination".
 //!
 //! ```text
-//! area lights -> VPLs -> [ splat -> fill -> rectify -> scan ] for each VPL -> gather
-//!                          points   holes   thresholds voxels                 pixels
+//! area lights -> VPLs -> [ splat -> rectify -> scan ] for each VPL -> gather
+//!                          points   thresholds voxels                pixels
 //! ```
 //!
 //! Each VPL has an epipolar space (`epipolar.rs`): planes through the eye and the light, numbered by the angle theta about
@@ -14,7 +14,8 @@
 //! and shadow begins at one place: so a light ray is one *threshold*, and the scan expands thresholds to bits.
 //!
 //! Departures from the paper: points are chosen by the solid angle in which lights see what they stand for (`cloud.rs`, its
-//! future work); rectifying stores thresholds, a quarter of the voxels' memory, and needs no atomics; airlight is
+//! future work), and drawn as discs that end where their neighbourhood does, so that holes are few and are filled when maps
+//! are read, not by push and pull, which makes shadows grow; rectifying stores thresholds, a quarter of the voxels' memory, and needs no atomics; airlight is
 //! integrated exactly over lit stretches (`airlight.rs`).
 
 pub(crate) mod airlight;

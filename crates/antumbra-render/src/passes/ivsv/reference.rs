@@ -98,7 +98,7 @@ impl Job<'_> {
         let AreaLighting { voxels: size, technique, .. } = *self.lighting;
         let space = Epipolar::new(vpl, self.view, far_m(self.world, self.view), size);
         let Some(cast) = cast else { return Volume { vpl: *vpl, space, shadows: Shadows::None } };
-        let map = Map::draw(vpl, number, cast, size.map, size.points).filled();
+        let map = Map::draw(vpl, number, cast, size.map, size.points);
         let shadows = if technique == AreaTechnique::MarchedMaps {
             Shadows::Map(map, Paraboloid::new(vpl, size.map))
         } else {

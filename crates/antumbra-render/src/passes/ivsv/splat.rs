@@ -1,10 +1,10 @@
-//! Imperfect shadow maps: points drawn as discs into a paraboloid map, and holes filled.
+//! Imperfect shadow maps: points drawn as discs into a paraboloid map, whose holes are filled when it is read.
 //!
 //! A map is a hemisphere about the VPL's normal (Heidrich and Seidel 1998, "View-Independent Environment Maps"): the direction
 //! (x, y, z) lies at (x, y) / (1 + z). Texels hold the bits of the least distance from the light, which are in the order
 //! of distances; all ones where nothing is.
 
-use glam::{Vec2, Vec3};
+use glam::{IVec2, Vec2, Vec3};
 
 use super::cloud::{Cast, Share};
 use crate::area::Vpl;
@@ -14,8 +14,6 @@ use crate::sampling::hash;
 pub(crate) const EMPTY: u32 = u32::MAX;
 /// Discs are at most this large, texels.
 const MOST_TEXELS: f32 = 4.0;
-/// Coarser copies of a map, from which its holes are filled.
-const FILL_LEVELS: u32 = 3;
 /// A disc is a line when the cosine of its normal is less.
 const EDGE_ON: f32 = 0.02;
 /// Neighbouring texels show one surface when their distances differ by less than this share.
@@ -150,47 +148,15 @@ impl Map {
         }
     }
 
-    /// Fills holes: pull-push over coarser and coarser copies (Grossman and Dally 1998, "Point Sample Rendering"). A hole
-    /// takes the mean of its block of 2 x 2 texels, of 4 x 4, and so on: of the smallest that is mostly full, so that gaps
-    /// between things stay open.
-    pub fn filled(&self) -> Self {
-        self.filled_over(FILL_LEVELS)
-    }
-
-    fn filled_over(&self, levels: u32) -> Self {
-        if levels == 0 {
-            return self.clone();
-        }
-        let coarse = self.pulled().filled_over(levels - 1);
-        let fill = |i: u32| {
-            let own = self.texels[i as usize];
-            let (x, y) = (i % self.side / 2, i / self.side / 2);
-            if own == EMPTY { coarse.texels[(y * coarse.side + x) as usize] } else { own }
-        };
-        Self { side: self.side, texels: (0..self.side * self.side).map(fill).collect() }
-    }
-
-    /// Half the size: the mean of four texels, of which three are there.
-    fn pulled(&self) -> Self {
-        let side = self.side / 2;
-        let mean = |i: u32| {
-            let (x, y) = (2 * (i % side), 2 * (i / side));
-            let block = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.at(x + dx, y + dy));
-            let (sum, count) = block.iter().flatten().fold((0.0, 0), |(sum, count), depth| (sum + depth, count + 1));
-            if count >= 3 { (sum / count as f32).to_bits() } else { EMPTY }
-        };
-        Self { side, texels: (0..side * side).map(mean).collect() }
-    }
-
-    /// Distance at a place: between the middles of four texels of one surface, or else that of the nearest texel. Nothing
-    /// outside the map.
+    /// Distance at a place: between the middles of four texels of one surface, or else that of the nearest texel, which may be
+    /// a hole in a surface. Nothing outside the map.
     pub fn between(&self, at: Vec2) -> Option<f32> {
         let last = self.side as i32 - 1;
         let own = at.floor().as_ivec2();
         if own.min_element() < 0 || own.max_element() > last {
             return None;
         }
-        let nearest = self.at(own.x as u32, own.y as u32)?;
+        let Some(nearest) = self.at(own.x as u32, own.y as u32) else { return self.across_hole(own) };
         let first = (at - 0.5).floor();
         let share = at - 0.5 - first;
         let mut sum = 0.0;
@@ -203,6 +169,19 @@ impl Map {
             sum += r * weight(dx, share.x) * weight(dy, share.y);
         }
         Some(sum)
+    }
+
+    /// Distance at a hole: of the surface that both texels to its sides show, or those above and below.
+    fn across_hole(&self, own: IVec2) -> Option<f32> {
+        let at = |step: IVec2| {
+            let texel = own + step;
+            let inside = texel.min_element() >= 0 && texel.max_element() < self.side as i32;
+            if inside { self.at(texel.x as u32, texel.y as u32) } else { None }
+        };
+        [IVec2::X, IVec2::Y].into_iter().find_map(|step| {
+            let (before, after) = (at(-step)?, at(step)?);
+            ((before / after - 1.0).abs() < ONE_SURFACE).then_some(0.5 * (before + after))
+        })
     }
 
     /// Distance of what a texel shows.

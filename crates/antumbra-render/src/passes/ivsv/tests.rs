@@ -134,9 +134,9 @@ fn maps_show_what_stands_before_the_light() {
     let scene = wall_and_floor();
     let light = vpl(Vec3::ZERO, Vec3::NEG_Z);
     let cast = Cloud::new(&scene, 1 << 16).cast(&scene.nodes, DVec3::ZERO, &[light], 8192);
-    let map = Map::draw(&light, 0, &cast, 64, 8192).filled();
+    let map = Map::draw(&light, 0, &cast, 64, 8192);
     let paraboloid = super::splat::Paraboloid::new(&light, 64);
-    let mut seen = 0;
+    let (mut seen, mut off) = (0, 0);
     for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
         // Through the middle of each texel: of the wall, the floor, or nothing.
         let direction = paraboloid.direction(x, y);
@@ -146,14 +146,15 @@ fn maps_show_what_stands_before_the_light() {
         // Away from edges, which discs may cover by a texel or two.
         let inside = to_wall.x.abs().max(to_wall.y.abs());
         if inside < 0.8 {
-            let r = map.at(x, y).unwrap_or(f32::INFINITY);
-            assert!((r - 3.0 / cos).abs() < 0.15, "{x} {y}: {r}, not {}", 3.0 / cos);
+            let r = map.between(texel).unwrap_or(f32::INFINITY);
+            off += usize::from((r - 3.0 / cos).abs() > 0.15);
             seen += 1;
         } else if direction.y > 0.05 && inside > 1.4 {
             assert!(map.at(x, y).is_none(), "{x} {y}: something in the sky");
         }
     }
-    assert!(seen > 50, "{seen}");
+    // A map is imperfect: it may have a hole here and there.
+    assert!(seen > 50 && off * 40 <= seen, "{off} of {seen}");
     // The floor is 144 times the wall: evenly over the area, the wall would have 57 of the points.
     let on_wall = |index| cast.points[chosen(&cast, 0, index, 8192).1].normal.z > 0.5;
     let points = (0..8192).filter(|i| on_wall(*i)).count();
@@ -170,7 +171,7 @@ fn shadow_begins_behind_the_wall() {
     let view = View::new(&camera, 160, 90).expect("a view");
     let size = size(256, 256, 256);
     let cast = Cloud::new(&scene, 1 << 16).cast(&scene.nodes, eye, &[light], 32_768);
-    let map = Map::draw(&light, 0, &cast, 256, 32_768).filled();
+    let map = Map::draw(&light, 0, &cast, 256, 32_768);
     let space = Epipolar::new(&light, &view, 40.0, size);
     let voxels = scan::voxels(size, &rectify::thresholds(&light, &space, &map));
     let dark = |at: DVec3| {
