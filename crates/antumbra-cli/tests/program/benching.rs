@@ -147,6 +147,31 @@ fn baked_shadows_are_held_against_shadow_maps() {
 }
 
 #[test]
+fn soft_shadows_are_timed_and_held_against_the_truth() {
+    let folder = folder();
+    run(folder.path(), "scene screen --scale 0.1 -o {screen.glb} --quiet").ok();
+    let bench = "bench ivsv {screen.glb} --size 48x32 --truth 16 --vpls 8 --voxels 32 --figures --out {out}";
+    let text = run(folder.path(), bench).ok();
+    for words in
+        ["| 8 | total |", "| marched maps |", "| interpolated bit by bit |", "| theta | 32 |", "| 1 VPL, 512 samples |"]
+    {
+        assert!(text.contains(words), "no {words} in {text}");
+    }
+    let table: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("out/ivsv.json")).expect("a file")).expect("JSON");
+    let steps = rows(&table).iter().filter(|row| row["table"] == "steps");
+    for row in steps {
+        assert!(row["naive_ms"].as_f64() > Some(0.0) && row["ours_ms"].as_f64() > Some(0.0), "{row}");
+    }
+    let errors: Vec<f64> = rows(&table).iter().filter_map(|row| row["rmse"].as_f64()).collect();
+    assert!(errors.len() > 20 && errors.iter().all(|error| (0.0..80.0).contains(error)), "{errors:?}");
+    for name in ["vpls.svg", "resolution.svg", "truth.png", "media.png", "sizes.png", "interpolation.png"] {
+        assert!(folder.path().join("out").join(format!("ivsv-screen-{name}")).exists(), "no {name}");
+    }
+    run(folder.path(), "bench ivsv {city}").fails(&["no area light", "--area-light"]);
+}
+
+#[test]
 fn a_bench_that_fails_says_why_and_leaves_nothing() {
     let folder = folder();
     let temporary = folder.path().join("tmp");

@@ -97,7 +97,19 @@ fn area_lights_light_a_night_and_its_fog() {
     run(folder.path(), &format!("{city} --area-light disc=8")).misused("--light-at");
     run(folder.path(), &format!("{city} --area-light cube=1 --light-at 0,0,0")).misused("rectangle=WIDTH,HEIGHT");
     run(folder.path(), &format!("{city} --area-light disc=1 --light-at 0,9,0 --voxels 100")).misused("multiple of 32");
-    run(folder.path(), &format!("{city} {light} --device gpu")).fails(&["processor", "--device gpu"]);
+    // The card draws them as the processor does, and traces none.
+    let (on_cpu, on_gpu) = (
+        draw("cpu", "--fog 0.01 --device cpu --area-memory 1"),
+        draw("gpu", "--fog 0.01 --device gpu --area-gather full"),
+    );
+    let off = on_cpu.iter().zip(&on_gpu).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+    assert!(off * 50 < on_cpu.len(), "{off} of {}", on_cpu.len());
+    run(folder.path(), &format!("{city} {light} --device gpu --area-shadows traced")).fails(&["processor", "traces"]);
+    // A scene's own lights are lit without being asked for.
+    run(folder.path(), "scene screen --scale 0.1 -o {screen.glb} --quiet").ok();
+    let screen = "render {screen.glb} --size 48x32 --samples 1 --vpls 8 --voxels 32 --gather 0 --fog 0.02 -o {s.png}";
+    run(folder.path(), &format!("{screen} --device gpu")).ok();
+    run(folder.path(), &format!("{screen} --video-time 3.6")).ok();
     run(folder.path(), &format!("{city} {light} --luminance=-1")).misused("cannot be used multiple times");
     run(folder.path(), &format!("{city} {light} --light-towards 0,90,0")).fails(&["shines nowhere"]);
     run(folder.path(), &format!("{city} {light} --light-image {{city}}")).fails(&["no picture that can be read"]);

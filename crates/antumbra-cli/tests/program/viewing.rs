@@ -47,6 +47,16 @@ screenshot PATH/second.png
 set technique maps
 frame -60,60,-60 0,0,0
 screenshot PATH/maps.png
+set fog 0.01
+set area on
+set vpls 4
+set voxels 32
+set light 0,60,0
+set shape sphere
+set size 20,20
+set color 1,0.1,0.1
+frame -60,60,-60 0,0,0
+screenshot PATH/area.png
 ";
 
 #[test]
@@ -65,7 +75,7 @@ fn a_script_is_replayed_in_the_window() {
     assert!(done.status.success(), "{errors}");
     assert!(out.contains(" frames, "), "{out}");
     let picture = |name: &str| image::open(folder.path().join(name)).expect("a screenshot").to_rgb8();
-    let shots = ["first.png", "second.png", "maps.png"].map(picture);
+    let shots = ["first.png", "second.png", "maps.png", "area.png"].map(picture);
     for shot in &shots {
         assert_eq!((shot.width(), shot.height()), (480, 300));
         let corner = shot.get_pixel(479, 0);
@@ -83,6 +93,9 @@ fn a_script_is_replayed_in_the_window() {
     };
     let (moved, mapped) = (unlike(&shots[0], &shots[1]), unlike(&shots[1], &shots[2]));
     assert!(moved > 0.02 && mapped < 0.1 && mapped < moved, "{moved} {mapped}");
+    // A red lantern makes it night.
+    let red = shots[3].pixels().filter(|pixel| pixel.0[0] > 60 + pixel.0[2]).count();
+    assert!(red > 2_000, "{red} red pixels");
 }
 
 #[test]

@@ -88,10 +88,10 @@ pub(crate) struct Batch {
     pub phi: u32,
     pub quads: u32,
     pub points: u32,
-    pub shares: u32,
     pub cloud: u32,
     pub pad_0: u32,
     pub pad_1: u32,
+    pub pad_2: u32,
 }
 
 /// The struct `CloudPoint` of `place.wgsl`.
@@ -183,6 +183,9 @@ struct Lights {
     pictures: wgpu::Buffer,
 }
 
+/// Most lookups of maps by one ray in one pass: more would take a card's patience, and software cards end loops.
+const MOST_LOOKUPS: u32 = 8192;
+
 /// Texels of 128 bits along phi.
 fn quads(size: &VoxelResolution) -> u32 {
     size.phi.div_ceil(128)
@@ -246,7 +249,10 @@ impl Area {
             gpu.check_size(what, bytes)?;
         }
         let largest = bytes.into_iter().max().unwrap_or(1);
-        let batch = how.batch().min((gpu.most_bytes() / largest) as u32);
+        let mut batch = how.batch().min((gpu.most_bytes() / largest) as u32);
+        if how.technique == AreaTechnique::MarchedMaps {
+            batch = batch.min((MOST_LOOKUPS / size.phi).max(1));
+        }
         let of = (how.vpls, size, how.technique, batch);
         if self.room.as_ref().is_some_and(|room| room.of == of) {
             return Ok(());
@@ -263,7 +269,6 @@ impl Area {
                 phi: size.phi,
                 quads: quads(&size),
                 points: size.points,
-                shares: self.cloud.shares_count(),
                 cloud: self.cloud.len(),
                 ..Batch::default()
             };

@@ -390,7 +390,7 @@ mod tests {
                         offsets!(GpuVpl: position radius_m normal start_m intensity per_spread x distance y alpha_min
                         axis theta_min across alpha_scale along theta_scale phi_scale wraps pad_0 pad_1),
                     ),
-                    ("Batch", offsets!(Batch: first count map alpha theta phi quads points shares cloud pad_0 pad_1)),
+                    ("Batch", offsets!(Batch: first count map alpha theta phi quads points cloud pad_0 pad_1 pad_2)),
                     (
                         "AreaLight",
                         offsets!(GpuAreaLight: position shape direction width_m up height_m left texels

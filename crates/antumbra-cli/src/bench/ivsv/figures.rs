@@ -128,10 +128,10 @@ fn figures(base: &AreaLighting) -> Vec<Figure> {
             name: "moving",
             theirs: "10",
             pictures: vec![
-                moved("0.9 widths to the left", -0.9),
-                moved("0.3", -0.3),
-                moved("0.3 to the right", 0.3),
-                moved("0.9", 0.9),
+                moved("0.45 widths to the left", -0.45),
+                moved("0.15", -0.15),
+                moved("0.15 to the right", 0.15),
+                moved("0.45", 0.45),
             ],
         },
         Figure {

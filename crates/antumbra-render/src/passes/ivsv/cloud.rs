@@ -1,20 +1,19 @@
 //! The scene as points, of which each VPL's shadow map gets a share.
 //!
-//! Points lie evenly over the scene's area, and move with their nodes. They come in chunks of neighbours, in random order
-//! within a chunk: any few of a chunk's points stand for all of it. Each frame shares out a map's points among the chunks
-//! by the solid angle in which the lights see them, so that what is near gets many: the point level of detail that Wyman
-//! and Dai (2013, section 5) leave to the future.
+//! Points lie evenly over the scene's area, and move with their nodes. They come in chunks of neighbours, along a curve. Each
+//! frame shares out a map's points among the chunks by the solid angle in which the lights see them, so that what is near
+//! gets many: the point level of detail that Wyman and Dai (2013, section 5) leave to the future.
 
 use antumbra_scene::{AlphaMode, AlphaTest, Node, Primitive, Scene};
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::area::Vpl;
-use crate::sampling::{hash, r2};
+use crate::sampling::r2;
 
 /// Points of a chunk.
 const CHUNK: usize = 64;
 /// Discs overlap, or light would pass between them.
-const OVERLAP: f64 = 1.25;
+const OVERLAP: f64 = 1.15;
 
 /// A point of the scene, in mesh space.
 #[derive(Clone, Copy, Debug)]
@@ -129,11 +128,7 @@ impl Cloud {
         for of_node in found.chunk_by(|a, b| a.0 == b.0) {
             for chunk in of_node.chunks(CHUNK) {
                 let first = points.len() as u32;
-                let mut own: Vec<Point> = chunk.iter().map(|(.., point)| *point).collect();
-                // Fisher, Yates: any first few lie all over the chunk.
-                for i in (1..own.len()).rev() {
-                    own.swap(i, hash(first + i as u32) as usize % (i + 1));
-                }
+                let own: Vec<Point> = chunk.iter().map(|(.., point)| *point).collect();
                 let count = own.len() as u32;
                 points.extend(own);
                 let hull = Hull::of(chunk, &scene.nodes[chunk[0].0], area_m2);
@@ -148,7 +143,9 @@ impl Cloud {
         let mut points = Vec::with_capacity(self.points.len());
         for chunk in &self.chunks {
             let node = &nodes[chunk.node];
-            let turned = node.world_from_mesh.matrix3.inverse().transpose();
+            // By cofactors: those of flattened nodes, too.
+            let DMat3 { x_axis: x, y_axis: y, z_axis: z } = node.world_from_mesh.matrix3;
+            let turned = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
             for point in &self.points[chunk.first as usize..(chunk.first + chunk.count) as usize] {
                 let position = (node.world_point(point.position) - eye).as_vec3();
                 let normal = (turned * point.normal.as_dvec3()).normalize_or_zero().as_vec3();
@@ -200,12 +197,6 @@ impl Cloud {
         self.points.len() as u32
     }
 
-    /// Number of shares.
-    #[cfg(feature = "gpu")]
-    pub fn shares_count(&self) -> u32 {
-        self.chunks.len() as u32
-    }
-
     /// All points in mesh space, with the numbers of their nodes and their normals.
     #[cfg(feature = "gpu")]
     pub fn points(&self) -> impl Iterator<Item = ([f32; 3], u32, [f32; 3])> {
@@ -242,6 +233,10 @@ impl Cloud {
 impl Hull {
     /// About points that a node places, each of which stands for so much area: along their principal axes.
     fn of(points: &[(usize, u64, DVec3, Point)], node: &Node, area_m2: f64) -> Self {
+        if node.world_from_mesh.matrix3.determinant() == 0.0 {
+            // Flattened: there is no way back into its space, and no box.
+            return Self { middle: [0.0; 3], along: Vec3::X, across: Vec3::Y, half_m: [f32::INFINITY; 3] };
+        }
         let worlds = || points.iter().map(|(_, _, world, _)| *world);
         let mean = worlds().sum::<DVec3>() / points.len() as f64;
         let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
@@ -265,7 +260,7 @@ impl Hull {
         // To the borders of what the outermost points stand for, but where all lie in a plane or on a line.
         let half = 0.5 * (high - low);
         let spacing = area_m2.sqrt();
-        let margin = 0.25 * spacing * (half / spacing - 0.5).clamp(DVec3::ZERO, DVec3::ONE);
+        let margin = 0.5 * spacing * (0.5 * (half / spacing - 1.0)).clamp(DVec3::ZERO, DVec3::ONE);
         let half_m = (half + margin).max(DVec3::splat(1e-3 * half.x));
         let at = 0.5 * (low + high);
         let middle = mean + along * at.x + across * at.y + along.cross(across) * at.z;

@@ -11,7 +11,7 @@ use super::splat::{Map, Paraboloid};
 use crate::area::{self, Vpl};
 use crate::surface::Surface;
 
-/// Surfaces are looked up so many cells of light rays before themselves, along their normals, and so many columns towards
+/// Surfaces are looked up so many cells of light rays or maps before themselves, along their normals, and so many columns towards
 /// the light, or they would shadow themselves; fog is looked up where it is. (Wyman and Dai 2013, section 5, move both by 2.25
 /// columns and a bit: along a surface that light grazes that is too little, and in fog before a wall light leaks by it.)
 const CELLS_OFF: f32 = 0.6;
@@ -58,7 +58,7 @@ pub(crate) enum Shadows {
 /// Words of the longest texel.
 const MOST_WORDS: usize = 16;
 /// A map's surfaces shadow what is farther away than they by more than this share.
-const MAP_BIAS: f32 = 0.02;
+const MAP_BIAS: f32 = 0.03;
 
 impl Gather<'_> {
     /// Adds what a VPL does to a sample.
@@ -73,7 +73,8 @@ impl Gather<'_> {
             let towards = towards / r;
             let emitted = -vpl.normal.dot(towards);
             if emitted > 0.0 && surface.normal.dot(towards) > 0.0 && surface.face_normal.dot(towards) > 0.0 {
-                let cell = r * (1.0 / space.phi_scale).max(place.phi.sin() / space.theta_scale);
+                let of_map = 2.0 * vpl.spread * (1.0 + emitted) / space.size.map as f32;
+                let cell = r * (1.0 / space.phi_scale).max(place.phi.sin() / space.theta_scale).max(of_map);
                 let at = sample.ray * sample.distance + surface.face_normal * (CELLS_OFF * cell);
                 let visible = volume.visible(at, stop, self.interpolate);
                 let clear = (-self.sigma_t * (r - vpl.start_m)).exp();

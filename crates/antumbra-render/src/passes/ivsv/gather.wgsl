@@ -20,7 +20,7 @@ struct AreaLit {
 
 const CELLS_OFF: f32 = 0.6;
 const ALPHA_BIAS: f32 = -1.0;
-const MAP_BIAS: f32 = 0.02;
+const MAP_BIAS: f32 = 0.03;
 
 // A sample's way through a VPL's shadows.
 struct Way {
@@ -308,7 +308,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             if emitted > 0.0 && can_be_lit(s, towards) {
                 let clear = exp(-frame.fog_per_m * (r - vpl.start_m));
                 let falloff = emitted * clear / (r * r + vpl.radius_m * vpl.radius_m);
-                let cell = r * max(1.0 / vpl.phi_scale, sin(place.phi) / vpl.theta_scale);
+                let of_map = 2.0 * (1.0 + emitted) / (vpl.per_spread * f32(batch.map));
+                let cell = r * max(max(1.0 / vpl.phi_scale, sin(place.phi) / vpl.theta_scale), of_map);
                 let seen = visible(vpl, slot, at + s.face_normal * (CELLS_OFF * cell), stop) * falloff * incidence(s, towards);
                 let irradiance = vpl.intensity * seen;
                 lit.irradiance += vec4(irradiance, 0.0);

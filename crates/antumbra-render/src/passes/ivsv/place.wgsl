@@ -30,10 +30,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let y = nodes[3u * own.node + 1u];
     let z = nodes[3u * own.node + 2u];
     let at = vec4(own.position, 1.0);
-    // Normals turn with the matrix of cofactors, which is the inverse's transpose but for a factor.
-    let mirrored = sign(dot(x.xyz, cross(y.xyz, z.xyz)));
+    // Normals turn with the matrix of cofactors, which is the inverse's transpose but for a factor; discs have no back.
     let turned = vec3(
         dot(cross(y.xyz, z.xyz), own.normal), dot(cross(z.xyz, x.xyz), own.normal), dot(cross(x.xyz, y.xyz), own.normal),
     );
-    placed[id.x] = Placed(vec3(dot(x, at), dot(y, at), dot(z, at)), 0u, normalize(turned) * mirrored, 0u);
+    placed[id.x] = Placed(vec3(dot(x, at), dot(y, at), dot(z, at)), 0u, turned / max(length(turned), 1e-30), 0u);
 }

@@ -98,9 +98,9 @@ pub(crate) fn chosen(cast: &Cast, vpl: u32, index: u32, budget: u32) -> (usize, 
     let at = stride * index + hash(vpl) % stride;
     let share = cast.shares.partition_point(|share| share.begin <= at).saturating_sub(1);
     let of = &cast.shares[share];
-    // Consecutive ones of a chunk's random order, from where this VPL begins.
-    let turn = ((at - of.begin) / stride).wrapping_add(hash(vpl ^ hash(share as u32)));
-    (share, (of.first + turn % of.count) as usize)
+    // A chunk's points lie along a curve: van der Corput's sequence (1935), turned for each VPL, spreads any few evenly over it.
+    let turn = ((at - of.begin) / stride).reverse_bits().wrapping_add(hash(vpl ^ hash(share as u32)));
+    (share, (of.first + (((turn >> 16) * of.count) >> 16)) as usize)
 }
 
 impl Map {

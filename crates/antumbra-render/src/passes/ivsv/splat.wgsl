@@ -39,7 +39,7 @@ fn chosen(vpl: u32, index: u32) -> vec2<u32> {
     let at = stride * index + hash(vpl) % stride;
     // The last share that begins at or before it.
     var low = 0u;
-    var high = batch.shares;
+    var high = arrayLength(&shares);
     while low < high {
         let middle = (low + high) / 2u;
         if shares[middle].begin <= at {
@@ -49,8 +49,9 @@ fn chosen(vpl: u32, index: u32) -> vec2<u32> {
         }
     }
     let share = max(low, 1u) - 1u;
-    let turn = (at - shares[share].begin) / stride + hash(vpl ^ hash(share));
-    return vec2(share, shares[share].first + turn % shares[share].count);
+    // A chunk's points lie along a curve: van der Corput's sequence, turned for each VPL, spreads any few evenly over it.
+    let turn = reverseBits((at - shares[share].begin) / stride) + hash(vpl ^ hash(share));
+    return vec2(share, shares[share].first + ((turn >> 16u) * shares[share].count >> 16u));
 }
 
 @compute @workgroup_size(64)

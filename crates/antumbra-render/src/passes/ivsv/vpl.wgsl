@@ -10,12 +10,12 @@ struct Batch {
     theta: u32,
     phi: u32,
     quads: u32,
-    // Points of each map; shares and points of the cloud.
+    // Points of each map; of the cloud.
     points: u32,
-    shares: u32,
     cloud: u32,
     pad_0: u32,
     pad_1: u32,
+    pad_2: u32,
 }
 
 // Positions are relative to the eye.
