@@ -141,6 +141,26 @@ proptest! {
     }
 }
 
+/// A tile under the face turns in its last block; the tile that repeats its column ends later.
+#[test]
+fn shadowed_rays_stay_shadowed_in_perspective() {
+    let triangle = [[-0.7881387, -0.6722997, 0.5493732], [0.82977086, 0.18861821, 0.64383173], [1.0, 0.0, 0.0]];
+    let light = spot(
+        [0.16587505049139775, -0.5981680174424306, 0.6243548302259364],
+        [-0.7308619792463192, 0.6152132002421843, -0.29555623075807985],
+        0.35974637928657777f64.to_degrees(),
+        4.9442698087213754,
+    );
+    let meshes = vec![cuboid([-0.7666, 0.2774, 0.7264], [0.1710, 0.1909, 0.4386], 0.0), loose(vec![triangle])];
+    let scene = scene(meshes, DAffine3::IDENTITY);
+    let options = BakeOptions {
+        near_m: Some(0.051096790034321174),
+        local_depth: DepthDistribution::Ndc,
+        ..options(Interior::Open, 256, 1)
+    };
+    check_all(&bake_for_check(&scene, &light, &options)).unwrap();
+}
+
 fn assert_agrees(meshes: &[TestMesh], light: &Light, interior: Interior) {
     let scene = scene(meshes.to_vec(), DAffine3::IDENTITY);
     for resolution in [64, 256] {

@@ -8,6 +8,7 @@
 use rustc_hash::FxHashMap;
 
 use super::column::Run;
+use crate::dag::SHADOWED;
 
 /// First shadowed slices of 64 rays, counted from the start of a block.
 pub(super) type Pattern = [u64; 8];
@@ -34,12 +35,11 @@ pub(super) struct FaceMemo {
     parents: FxHashMap<[u32; 8], u32>,
 }
 
-/// A column's runs but for the last one, which goes on to the column's end.
+/// A column's runs but for the last one, which is in shadow up to the column's end.
 #[derive(Clone, Copy)]
 struct Remembered {
     begin: u32,
     end: u32,
-    last: Run,
     /// Greatest boundary.
     reach: u32,
 }
@@ -118,27 +118,28 @@ impl FaceMemo {
         Some(known)
     }
 
-    /// Remembers a column, unless its last run begins in doubt where the column ends, or there is too much to remember.
+    /// Remembers a column, unless it is not in shadow for certain where it ends (rays may turn in its last block, which
+    /// another column must not repeat up to its own end), or there is too much to remember.
     fn insert(&mut self, block: u32, column: &[Run]) -> Option<Known> {
         if self.runs.len() > MOST_RUNS {
             return None;
         }
         let (last, before) = column.split_last()?;
         let reach = before.last()?.end_last - block;
-        if before.last()?.end_last >= last.end_last {
+        if last.node != SHADOWED || before.last()?.end_last >= last.end_last {
             return None;
         }
         let begin = self.runs.len() as u32;
         self.runs.extend(before.iter().map(|run| run.moved_by(block.wrapping_neg())));
-        self.columns.push(Remembered { begin, end: self.runs.len() as u32, last: *last, reach });
+        self.columns.push(Remembered { begin, end: self.runs.len() as u32, reach });
         Some(Known { column: self.columns.len() as u32 - 1, block })
     }
 
     /// Appends a known column of so many blocks.
     pub fn push(&self, known: Known, blocks: u32, runs: &mut Vec<Run>) {
-        let Remembered { begin, end, last, .. } = self.columns[known.column as usize];
+        let Remembered { begin, end, .. } = self.columns[known.column as usize];
         let before = &self.runs[begin as usize..end as usize];
         runs.extend(before.iter().map(|run| run.moved_by(known.block)));
-        runs.push(Run { end_first: blocks, end_last: blocks, ..last });
+        runs.push(Run { node: SHADOWED, end_first: blocks, end_last: blocks });
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
 use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
-use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
+use antumbra_render::{AreaTechnique, Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
 use antumbra_scene::{Camera, LightKind, Scene};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
@@ -128,6 +128,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let camera = args.camera.camera(&scene, &args.scene)?;
     let area = if args.day { None } else { args.area.lighting(&scene)? };
+    if args.device == Device::Gpu && area.as_ref().is_some_and(|area| area.technique == AreaTechnique::Traced) {
+        bail!("the processor alone traces area lights: leave out --device gpu, or --area-shadows traced");
+    }
     let shadows = match (args.technique, &file) {
         (Some(Technique::Csm), _) => maps(args)?,
         (_, Some(file)) if baked => {

@@ -1,6 +1,6 @@
 //! The hierarchy, lights and cameras.
 
-use antumbra_scene::LightKind;
+use antumbra_scene::{AreaShape, LightKind};
 use glam::{DQuat, DVec3};
 use serde_json::json;
 
@@ -169,6 +169,53 @@ fn lights() {
     assert_eq!(lights[4].kind, LightKind::Spot { inner_angle: 0.0, outer_angle: std::f64::consts::FRAC_PI_4 });
     glb.push("nodes", json!({ "extensions": light(4) }));
     assert!(glb.error().contains("light 4"));
+}
+
+#[test]
+fn area_lights() {
+    let mut glb = Glb::triangle();
+    let down = DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::NEG_Y).to_array();
+    let extras = |more: serde_json::Value| {
+        let mut extras = json!({ "antumbra": "area light", "shape": "rectangle", "width": 1.6, "height": 0.9 });
+        extras.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
+        json!({ "name": "lantern", "rotation": down, "translation": [1, 2, 3], "extras": extras })
+    };
+    glb.push("nodes", extras(json!({})));
+    let more = json!({ "shape": "disc", "radius": 2, "luminance": 10, "color": [1, 0.5, -4], "fps": 12 });
+    glb.push("nodes", extras(more));
+    glb.push("nodes", json!({ "extras": { "antumbra": "something else", "shape": "rectangle" } }));
+    glb.push("nodes", json!({ "extras": "no object" }));
+    let lights = glb.load().area_lights;
+    assert_eq!(lights.len(), 2);
+    assert_eq!(lights[0].shape, AreaShape::Rectangle { width_m: 1.6, height_m: 0.9 });
+    close(lights[0].position_world, [1.0, 2.0, 3.0]);
+    close(lights[0].direction_world, [0.0, -1.0, 0.0]);
+    assert_eq!((lights[0].luminance, lights[0].frames_per_second), ([300.0; 3], 25.0));
+    assert_eq!(lights[1].shape, AreaShape::Disc { radius_m: 2.0 });
+    assert_eq!((lights[1].luminance, lights[1].frames_per_second), ([10.0, 5.0, 0.0], 12.0));
+    // Each wrong in one thing, which the error names.
+    let wrong = [
+        (json!({ "shape": "cube" }), "rectangle, disc, sphere or environment"),
+        (json!({ "shape": 3 }), "rectangle, disc, sphere or environment"),
+        (json!({ "shape": "disc" }), "lacks its radius"),
+        (json!({ "width": 0 }), "width of 0"),
+        (json!({ "height": -1 }), "height that is no number"),
+        (json!({ "height": "tall" }), "height that is no number"),
+        (json!({ "luminance": [1, 2, 3] }), "luminance that is no number"),
+        (json!({ "fps": -25 }), "fps that is no number"),
+        (json!({ "color": [1, 1] }), "not three numbers"),
+        (json!({ "color": "red" }), "no list of numbers"),
+        (json!({ "images": 0 }), "no list of numbers"),
+        (json!({ "images": [0] }), "image 0"),
+        (json!({ "images": [-1] }), "image"),
+        (json!({ "images": [1e30] }), "image"),
+    ];
+    for (more, word) in wrong {
+        let mut glb = Glb::triangle();
+        glb.push("nodes", extras(more.clone()));
+        let error = glb.error();
+        assert!(error.contains(word), "{more}: {error}");
+    }
 }
 
 #[test]
