@@ -49,6 +49,14 @@ pub enum SceneError {
         /// What is too large, and the limit.
         problem: String,
     },
+    /// A file that is an image alone is none that can be read.
+    #[error("{file} {problem}: give another picture")]
+    Picture {
+        /// The file's name.
+        file: String,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// No placed mesh has a triangle.
     #[error("{file}: no triangle is left to work with{}", describe(.dropped))]
     NothingLeft {
@@ -85,7 +93,7 @@ impl SceneError {
             | Self::Limit { file, .. }
             | Self::UnsupportedExtension { file, .. }
             | Self::NothingLeft { file, .. } => name.clone_into(file),
-            Self::Read { .. } | Self::UnknownFileType { .. } | Self::Unwritable { .. } => {}
+            Self::Read { .. } | Self::UnknownFileType { .. } | Self::Picture { .. } | Self::Unwritable { .. } => {}
         }
         self
     }

@@ -41,9 +41,11 @@ impl ImageStore {
 /// # Errors
 /// [`SceneError`] names what is too large or cannot be decoded.
 pub fn decode_image(name: &str, bytes: &[u8]) -> Result<Image, SceneError> {
-    let mut store = ImageStore::default();
-    store.add(name.to_owned(), bytes)?;
-    Ok(store.images.remove(0))
+    let decoded = reader(bytes).decode();
+    let wrong = |error| SceneError::Picture { file: name.to_owned(), problem: problem(&error) };
+    let decoded = decoded.map_err(wrong)?.into_rgba8();
+    let (width, height) = decoded.dimensions();
+    Ok(Image { name: name.to_owned(), width, height, rgba: decoded.into_raw() })
 }
 
 fn reader(bytes: &[u8]) -> ImageReader<Cursor<&[u8]>> {
@@ -60,13 +62,17 @@ fn reader(bytes: &[u8]) -> ImageReader<Cursor<&[u8]>> {
 }
 
 fn explain(name: &str, error: &ImageError) -> SceneError {
+    let problem = format!("its image {name:?} {}", problem(error));
     match error {
-        ImageError::Limits(_) => {
-            SceneError::limit(format!("its image {name:?} is larger than {MAX_SIDE} by {MAX_SIDE} pixels"))
-        }
-        ImageError::Unsupported(_) => SceneError::format(format!(
-            "its image {name:?} is of a kind that is not supported (PNG, JPEG and WebP are)"
-        )),
-        _ => SceneError::format(format!("its image {name:?} cannot be decoded ({error})")),
+        ImageError::Limits(_) => SceneError::limit(problem),
+        _ => SceneError::format(problem),
+    }
+}
+
+fn problem(error: &ImageError) -> String {
+    match error {
+        ImageError::Limits(_) => format!("is larger than {MAX_SIDE} by {MAX_SIDE} pixels"),
+        ImageError::Unsupported(_) => "is of a kind that is not supported (PNG, JPEG and WebP are)".to_owned(),
+        _ => format!("cannot be decoded ({error})"),
     }
 }

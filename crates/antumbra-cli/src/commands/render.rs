@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
+use antumbra_render::area::AreaTechnique;
 use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
-use antumbra_render::{AreaTechnique, Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
+use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
 use antumbra_scene::{Camera, LightKind, Scene};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
