@@ -33,6 +33,7 @@ pub use camera::{default_camera, look_at};
 pub use error::RenderError;
 pub use light::Time;
 pub use passes::csm::{Cascades, MapFilter};
+pub use passes::culling;
 pub use passes::fog::Fog;
 pub use passes::shadow::ShadowSource;
 pub use picture::Picture;

@@ -172,6 +172,35 @@ fn soft_shadows_are_timed_and_held_against_the_truth() {
 }
 
 #[test]
+fn triangles_that_voxel_culling_leaves_are_counted() {
+    let folder = folder();
+    run(folder.path(), "scene village --scale 0.3 -o {village.glb} --quiet").ok();
+    let bench = "bench culling {village.glb} --grid 16 --grid 32 --size 64x36 --map 256 --json --quiet";
+    let table = run(folder.path(), bench).json();
+    assert_eq!(table["rows"].as_array().map(Vec::len), Some(2 * 2 * 5));
+    for grid in [16, 32] {
+        for binning in ["cut", "whole"] {
+            let left = |way: &str| {
+                let wanted = [("grid", grid.into()), ("binning", binning.into()), ("way", way.into())];
+                row(&table, &wanted)["share"].as_f64().expect("a share")
+            };
+            let frusta = left("light and camera frusta");
+            let [steps, cells, boxes] = ["steps with a ring", "beams between cells", "beams between boxes"]
+                .map(|way| left(&format!("voxels, {way}")));
+            assert_eq!(left("none"), 1.0);
+            assert!(
+                boxes > 0.0 && boxes <= cells && boxes <= steps && boxes <= frusta,
+                "{boxes} {cells} {steps} {frusta}"
+            );
+        }
+    }
+    let first = row(&table, &[("way", "voxels, beams between boxes".into())]);
+    assert!(first["cells"].as_u64() > Some(0) && first["seconds"].as_f64() > Some(0.0), "{first}");
+    run(folder.path(), "bench culling {city}").fails(&["no spot or point lights"]);
+    run(folder.path(), "bench culling {village.glb} --grid 7").misused("8..=128");
+}
+
+#[test]
 fn a_bench_that_fails_says_why_and_leaves_nothing() {
     let folder = folder();
     let temporary = folder.path().join("tmp");

@@ -6,6 +6,7 @@
 
 pub(crate) mod ambient;
 pub mod csm;
+pub mod culling;
 pub(crate) mod fog;
 pub(crate) mod gbuffer;
 pub(crate) mod ivsv;

@@ -3,6 +3,7 @@
 mod ablations;
 mod construction;
 mod csm;
+mod culling;
 mod ivsv;
 mod lamps;
 
@@ -15,7 +16,7 @@ use clap::Subcommand;
     after_help = "Example:\n  antumbra bench construction --largest 8192 --out tables",
     arg_required_else_help = true,
     subcommand_value_name = "TABLE",
-    subcommand_help_heading = "Tables (encodings and culling come with a later version)",
+    subcommand_help_heading = "Tables (encodings come with a later version)",
     disable_help_subcommand = true
 )]
 pub struct Args {
@@ -31,6 +32,8 @@ enum Table {
     Construction(construction::Args),
     /// Baked shadows beside cascaded shadow maps: time on the graphics card, error against traced truth
     Csm(csm::Args),
+    /// Triangles left to draw into the shadow maps of many lights, by ways to cull them
+    Culling(culling::Args),
     /// Soft shadows in fog: time per step beside the slow ways, error against traced truth
     Ivsv(ivsv::Args),
     /// Seconds and bytes of every spot and point light of a scene, and a flight among them
@@ -45,10 +48,11 @@ pub fn run(args: &Args) -> Result<()> {
         Table::Ablations(args) => ablations::run(args),
         Table::Construction(args) => construction::run(args),
         Table::Csm(args) => csm::run(args),
+        Table::Culling(args) => culling::run(args),
         Table::Ivsv(args) => ivsv::run(args),
         Table::Lamps(args) => lamps::run(args),
         Table::Other(words) => bail!(
-            "the table \"{}\" is not in this version; this one has: ablations, construction, csm, ivsv, lamps",
+            "the table \"{}\" is not in this version; this one has: ablations, construction, csm, culling, ivsv, lamps",
             words.first().map_or("", String::as_str)
         ),
     }

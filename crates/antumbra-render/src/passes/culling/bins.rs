@@ -1,0 +1,183 @@
+//! Triangles by the cells that they touch.
+
+use glam::{DVec3, IVec3, Vec3};
+use rayon::prelude::*;
+
+use super::Marks;
+use super::grid::{Grid, HAIR};
+
+/// What becomes of triangles that touch many cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Binning {
+    /// Cut at the cells' sides: each cell has its own piece, as triangles. What paraboloid maps want.
+    Clip,
+    /// Kept whole in a list that nothing culls, if they touch more than so many cells; the paper: 2.
+    NoCull {
+        /// Most cells that a triangle may touch and be culled.
+        most_cells: u32,
+    },
+}
+
+/// The triangles of each cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bins {
+    /// Where each cell's triangles begin, and where the last one's end.
+    begins: Vec<u32>,
+    /// Indices of triangles, cell by cell, ascending in each.
+    triangles: Vec<u32>,
+    /// Pieces of each cell's triangles; empty where nothing is clipped.
+    pieces: Vec<[Vec3; 3]>,
+    /// Triangles that nothing culls, ascending.
+    unculled: Vec<u32>,
+}
+
+/// A triangle's part in a cell.
+struct Piece {
+    cell: u32,
+    triangle: u32,
+    corners: [Vec3; 3],
+}
+
+impl Bins {
+    /// Bins triangles, given by their corners in the world: on all threads, and the same whatever their number.
+    #[must_use]
+    pub fn new(grid: &Grid, triangles: &[[DVec3; 3]], binning: Binning) -> Self {
+        let in_cells = |i: usize| {
+            let corners = triangles[i].map(|p| grid.at(p));
+            (i as u32, corners, touched(grid, &corners))
+        };
+        let binned: Vec<(u32, [Vec3; 3], Vec<IVec3>)> = (0..triangles.len()).into_par_iter().map(in_cells).collect();
+        let mut unculled = Vec::new();
+        let mut pieces = Vec::new();
+        for (triangle, corners, cells) in binned {
+            match binning {
+                Binning::NoCull { most_cells } if cells.len() > most_cells as usize => unculled.push(triangle),
+                _ => {
+                    let numbered = cells.iter().filter_map(|cell| Some((*cell, grid.number(*cell)? as u32)));
+                    for (at, cell) in numbered {
+                        match binning {
+                            Binning::NoCull { .. } => pieces.push(Piece { cell, triangle, corners }),
+                            Binning::Clip => {
+                                let own = clipped(&corners, at);
+                                pieces.extend(own.into_iter().map(|corners| Piece { cell, triangle, corners }));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        // In the order of triangles within each cell: the sort is stable.
+        pieces.sort_by_key(|piece| piece.cell);
+        let begins = (0..=grid.cells()).map(|cell| pieces.partition_point(|piece| (piece.cell as usize) < cell) as u32);
+        Self {
+            begins: begins.collect(),
+            triangles: pieces.iter().map(|piece| piece.triangle).collect(),
+            pieces: if binning == Binning::Clip {
+                pieces.iter().map(|piece| piece.corners).collect()
+            } else {
+                Vec::new()
+            },
+            unculled,
+        }
+    }
+
+    /// A cell's triangles, as indices.
+    #[must_use]
+    pub fn of_cell(&self, cell: usize) -> &[u32] {
+        &self.triangles[self.begins[cell] as usize..self.begins[cell + 1] as usize]
+    }
+
+    /// A cell's pieces of triangles, corners in cells, where they are clipped.
+    #[must_use]
+    pub fn pieces_of_cell(&self, cell: usize) -> &[[Vec3; 3]] {
+        if self.pieces.is_empty() {
+            return &[];
+        }
+        &self.pieces[self.begins[cell] as usize..self.begins[cell + 1] as usize]
+    }
+
+    /// Triangles that nothing culls.
+    #[must_use]
+    pub fn unculled(&self) -> &[u32] {
+        &self.unculled
+    }
+
+    /// Numbers of the cells that have triangles, ascending.
+    pub fn occupied(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.begins.len() - 1).filter(|cell| self.begins[*cell] < self.begins[cell + 1])
+    }
+
+    /// Triangles to draw for marked cells: each cell's, and those that nothing culls. A triangle of several marked cells counts
+    /// in each, as it is drawn in each.
+    #[must_use]
+    pub fn drawn(&self, marks: &Marks) -> usize {
+        self.occupied().filter(|cell| marks.has(*cell)).map(|cell| self.of_cell(cell).len()).sum::<usize>()
+            + self.unculled.len()
+    }
+
+    /// Indices of the triangles of marked cells and of those that nothing culls: ascending, each once.
+    #[must_use]
+    pub fn survivors(&self, marks: &Marks) -> Vec<u32> {
+        let marked = self.occupied().filter(|cell| marks.has(*cell)).flat_map(|cell| self.of_cell(cell));
+        let mut all: Vec<u32> = marked.chain(&self.unculled).copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+}
+
+/// The cells that a triangle touches, corners in cells: those of its box whose own box it is not separated from.
+fn touched(grid: &Grid, corners: &[Vec3; 3]) -> Vec<IVec3> {
+    let last = Vec3::splat((grid.side() - 1) as f32);
+    let low = corners.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = corners.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let [low, high] = [low - HAIR, high + HAIR].map(|p| p.floor().clamp(Vec3::ZERO, last).as_ivec3());
+    let all = (low.z..=high.z)
+        .flat_map(move |z| (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| IVec3::new(x, y, z))));
+    all.filter(|cell| touches(corners, *cell)).collect()
+}
+
+/// Whether a triangle and a cell touch, corners in cells; a hair apart counts as touching. Separating axes: Akenine-Möller
+/// 2001, *Fast 3D triangle-box overlap testing*.
+pub(super) fn touches(corners: &[Vec3; 3], cell: IVec3) -> bool {
+    let half = 0.5 + HAIR;
+    let [a, b, c] = corners.map(|p| p - (cell.as_vec3() + 0.5));
+    let edges = [b - a, c - b, a - c];
+    let apart = |axis: Vec3| {
+        let [p, q, r] = [a, b, c].map(|corner| axis.dot(corner));
+        let reach = half * axis.abs().element_sum();
+        p.min(q).min(r) > reach || p.max(q).max(r) < -reach
+    };
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    let by_edges = || edges.iter().any(|edge| axes.iter().any(|axis| apart(axis.cross(*edge))));
+    !(axes.into_iter().any(apart) || apart(edges[0].cross(edges[1])) || by_edges())
+}
+
+/// A triangle's piece in a cell, as triangles; corners in cells. Sutherland and Hodgman 1974, *Reentrant polygon clipping*.
+fn clipped(corners: &[Vec3; 3], cell: IVec3) -> Vec<[Vec3; 3]> {
+    let mut polygon = corners.to_vec();
+    for axis in 0..3 {
+        let (low, high) = (cell[axis] as f32, (cell[axis] + 1) as f32);
+        polygon = clipped_at(&polygon, |p| p[axis] - low);
+        polygon = clipped_at(&polygon, |p| high - p[axis]);
+    }
+    let fan = polygon.windows(2).skip(1).map(|pair| [polygon[0], pair[0], pair[1]]);
+    fan.collect()
+}
+
+/// The part of a convex polygon in which a linear function is not negative. A cut is the same from both of its sides.
+fn clipped_at(polygon: &[Vec3], inside: impl Fn(Vec3) -> f32) -> Vec<Vec3> {
+    let mut out = Vec::with_capacity(polygon.len() + 1);
+    for (i, &from) in polygon.iter().enumerate() {
+        let to = polygon[(i + 1) % polygon.len()];
+        let (f, g) = (inside(from), inside(to));
+        if f >= 0.0 {
+            out.push(from);
+        }
+        if (f >= 0.0) != (g >= 0.0) {
+            let (near, far, share) = if f >= 0.0 { (from, to, f / (f - g)) } else { (to, from, g / (g - f)) };
+            out.push(near + (far - near) * share);
+        }
+    }
+    out
+}
