@@ -1,6 +1,7 @@
 // Reads maps: twin of `splat::Map::between`.
 
 const ONE_SURFACE: f32 = 0.15;
+const HOLE: i32 = 2;
 
 // Distance of what a texel shows; 0 for nothing.
 fn map_texel(first: u32, side: u32, texel: vec2<i32>) -> f32 {
@@ -23,6 +24,33 @@ fn across_hole(first: u32, side: u32, own: vec2<i32>) -> f32 {
     return 0.0;
 }
 
+// Distance of the one surface that lies before a texel's on both sides of it, a few texels away at most; 0 for none.
+fn before_between(first: u32, side: u32, own: vec2<i32>, r: f32, step: vec2<i32>) -> f32 {
+    var found = vec2(0.0);
+    for (var i = 0; i < 2; i++) {
+        let way = select(step, -step, i == 0);
+        for (var reach = 1; reach <= HOLE && found[i] == 0.0; reach++) {
+            let texel = own + way * reach;
+            if all(texel >= vec2(0)) && all(texel < vec2(i32(side))) {
+                let there = map_texel(first, side, texel);
+                if r == 0.0 || there < r * (1.0 - ONE_SURFACE) {
+                    found[i] = there;
+                }
+            }
+        }
+    }
+    let is_one = found.x > 0.0 && found.y > 0.0 && abs(found.x / found.y - 1.0) < ONE_SURFACE;
+    return select(0.0, 0.5 * (found.x + found.y), is_one);
+}
+
+// The same on all four sides: seen through a hole between the surface's discs.
+fn before_hole(first: u32, side: u32, own: vec2<i32>, r: f32) -> f32 {
+    let across = before_between(first, side, own, r, vec2(1, 0));
+    let along = before_between(first, side, own, r, vec2(0, 1));
+    let is_one = across > 0.0 && along > 0.0 && abs(across / along - 1.0) < ONE_SURFACE;
+    return select(0.0, 0.5 * (across + along), is_one);
+}
+
 // Distance at a place: between the middles of four texels of one surface, or else that of the nearest, which may be a hole in a
 // surface; 0 for nothing.
 fn map_between(first: u32, side: u32, at: vec2<f32>) -> f32 {
@@ -32,6 +60,10 @@ fn map_between(first: u32, side: u32, at: vec2<f32>) -> f32 {
         return 0.0;
     }
     let nearest = map_texel(first, side, own);
+    let before = before_hole(first, side, own, nearest);
+    if before > 0.0 {
+        return before;
+    }
     if nearest == 0.0 {
         return across_hole(first, side, own);
     }

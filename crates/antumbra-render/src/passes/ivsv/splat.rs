@@ -18,6 +18,8 @@ const MOST_TEXELS: f32 = 4.0;
 const EDGE_ON: f32 = 0.02;
 /// Neighbouring texels show one surface when their distances differ by less than this share.
 const ONE_SURFACE: f32 = 0.15;
+/// Holes between a surface's discs are at most about twice as wide, texels.
+const HOLE: i32 = 2;
 /// What is lower above the light's own surface casts nothing: its own housing.
 const HORIZON: f32 = 0.02;
 
@@ -149,14 +151,18 @@ impl Map {
     }
 
     /// Distance at a place: between the middles of four texels of one surface, or else that of the nearest texel, which may be
-    /// a hole in a surface. Nothing outside the map.
+    /// a hole in a surface, with nothing behind or something. Nothing outside the map.
     pub fn between(&self, at: Vec2) -> Option<f32> {
         let last = self.side as i32 - 1;
         let own = at.floor().as_ivec2();
         if own.min_element() < 0 || own.max_element() > last {
             return None;
         }
-        let Some(nearest) = self.at(own.x as u32, own.y as u32) else { return self.across_hole(own) };
+        let nearest = self.at(own.x as u32, own.y as u32);
+        if let Some(before) = self.before_hole(own, nearest.unwrap_or(f32::INFINITY)) {
+            return Some(before);
+        }
+        let Some(nearest) = nearest else { return self.across_hole(own) };
         let first = (at - 0.5).floor();
         let share = at - 0.5 - first;
         let mut sum = 0.0;
@@ -182,6 +188,28 @@ impl Map {
             let (before, after) = (at(-step)?, at(step)?);
             ((before / after - 1.0).abs() < ONE_SURFACE).then_some(0.5 * (before + after))
         })
+    }
+
+    /// Distance of the one surface that lies before a texel's on all four sides of it, a few texels away at most: seen through
+    /// a hole between its discs.
+    fn before_hole(&self, own: IVec2, r: f32) -> Option<f32> {
+        let across = self.before_between(own, r, IVec2::X)?;
+        let along = self.before_between(own, r, IVec2::Y)?;
+        ((across / along - 1.0).abs() < ONE_SURFACE).then_some(0.5 * (across + along))
+    }
+
+    /// The same on two sides.
+    fn before_between(&self, own: IVec2, r: f32, step: IVec2) -> Option<f32> {
+        let nearer = |step: IVec2| {
+            (1..=HOLE).find_map(|reach| {
+                let texel = own + step * reach;
+                let inside = texel.min_element() >= 0 && texel.max_element() < self.side as i32;
+                let there = if inside { self.at(texel.x as u32, texel.y as u32) } else { None };
+                there.filter(|there| *there < r * (1.0 - ONE_SURFACE))
+            })
+        };
+        let (before, after) = (nearer(-step)?, nearer(step)?);
+        ((before / after - 1.0).abs() < ONE_SURFACE).then_some(0.5 * (before + after))
     }
 
     /// Distance of what a texel shows.
