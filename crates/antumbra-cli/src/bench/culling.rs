@@ -22,7 +22,7 @@ pub struct Study {
     pub name: String,
     pub scene: Scene,
     pub camera: Camera,
-    /// Pixels whose surfaces make the source cells.
+    /// Pixels whose surfaces make the source cells; alpha masks count as whole surfaces.
     pub size: [u32; 2],
     /// Texels per side of a cube map's face.
     pub map: u32,
@@ -34,6 +34,9 @@ pub struct Study {
 const TAPS: u32 = 3;
 /// The paper's: triangles of more cells are culled by nothing.
 const MOST_CELLS: u32 = 2;
+
+/// Pixels seen at most.
+const MOST_PIXELS: u64 = 1 << 26;
 
 /// Ways to cull.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -80,7 +83,8 @@ pub fn run(study: &Study, progress: &Progress) -> Result<Report> {
     let about = format!(
         "{}: {} triangles, {} lights, {} pixels seen; cube maps of {} texels per face's side, {TAPS} x {TAPS} taps. Averages over all \
 lights. A triangle is drawn once in each face that its cell may appear in; triangles of more than {MOST_CELLS} cells are \
-cut at the cells' sides, or kept whole and drawn always.",
+cut at the cells' sides, or kept whole and drawn always. Every spot and point light counts as a point light without an end, frusta by \
+their planes alone; steps do not know how wide lookups are. Marking is timed on one thread while the others mark for other lights.",
         study.name,
         setup.corners.len(),
         setup.lights.len(),
@@ -110,6 +114,8 @@ cut at the cells' sides, or kept whole and drawn always.",
 
 impl Setup {
     fn new(study: &Study) -> Result<Self> {
+        let pixels = study.size.map(u64::from).iter().product::<u64>();
+        ensure!(pixels <= MOST_PIXELS, "{pixels} pixels are too many to look at; choose a smaller --size");
         let of_lamps = study.scene.lights.iter().filter(|light| light.kind != LightKind::Directional);
         let lights: Vec<DVec3> = of_lamps.map(|light| light.position_world).collect();
         ensure!(!lights.is_empty(), "{} has no spot or point lights, whose shadow maps could be culled", study.name);

@@ -122,9 +122,13 @@ impl Span {
     }
 }
 
+/// Lights farther away than so many cells are taken to be no farther, where steps are counted.
+const FARTHEST: i32 = 1 << 20;
+
 /// The paper's earlier way, to measure beams against: steps from cell to cell along the line between two cells' middles
 /// (Amanatides and Woo 1987, *A fast voxel traversal algorithm for ray tracing*), and marks each with all 26 neighbours.
 pub fn mark_by_steps(grid: &Grid, from: IVec3, to: IVec3, marks: &mut Marks) {
+    let to = to.clamp(IVec3::splat(-FARTHEST), IVec3::splat(FARTHEST));
     let way = (to - from).as_vec3();
     let step = way.signum().as_ivec3();
     // The share of the way at which the next side is met along each axis, and between two sides.
@@ -132,7 +136,9 @@ pub fn mark_by_steps(grid: &Grid, from: IVec3, to: IVec3, marks: &mut Marks) {
     let mut next = between * 0.5;
     let mut cell = from;
     mark_ring(grid, cell, marks);
-    while cell != to {
+    // Beyond a ring about the grid there is nothing more to mark, however far away a light is.
+    let is_near = |cell: IVec3| cell.cmpge(IVec3::NEG_ONE).all() && cell.cmple(IVec3::splat(grid.side() as i32)).all();
+    while cell != to && is_near(cell) {
         let axis = next.min_position();
         cell[axis] += step[axis];
         next[axis] = if cell[axis] == to[axis] { f32::INFINITY } else { next[axis] + between[axis] };

@@ -20,8 +20,8 @@ impl Grid {
     /// Cells along each axis.
     pub const SIDES: core::ops::RangeInclusive<u32> = 8..=128;
 
-    /// A grid over a box of the world, with so many cells along each axis ([`Grid::SIDES`]; others are brought into it). Axes along
-    /// which the box has no extent get cells of the size of the others'.
+    /// A grid over a box of the world, with so many cells along each axis ([`Grid::SIDES`]; others are brought into it). Along axes in
+    /// which the box is flat it is as large as along its longest.
     #[must_use]
     pub fn new(bounds: &Bounds, side: u32) -> Self {
         let side = side.clamp(*Self::SIDES.start(), *Self::SIDES.end());
@@ -29,7 +29,9 @@ impl Grid {
             if bounds.is_empty() { (DVec3::ZERO, DVec3::ONE) } else { (bounds.min, bounds.max - bounds.min) };
         let greatest = if extent.max_element() > 0.0 { extent.max_element() } else { 1.0 };
         // Nothing lies on the rim, and no axis vanishes beside the others.
-        let extent = extent.max(DVec3::splat(greatest * 1e-3));
+        let is_flat = extent.cmplt(DVec3::splat(greatest * 1e-3));
+        let low = DVec3::select(is_flat, low + 0.5 * (extent - greatest), low);
+        let extent = DVec3::select(is_flat, DVec3::splat(greatest), extent);
         let margin = extent * 1e-3;
         Self { low_world: low - margin, cells_per_m: f64::from(side) / (extent + 2.0 * margin), side }
     }

@@ -49,12 +49,15 @@ impl Footprint {
 }
 
 impl Receivers {
-    /// Of points that are seen, in the world; what lies outside the grid is left out.
+    /// Of points that are seen, in the world; what lies outside the grid, or nowhere, is left out.
     #[must_use]
     pub fn new(grid: &Grid, points: impl IntoIterator<Item = DVec3>) -> Self {
         let mut cells: BTreeMap<usize, SourceCell> = BTreeMap::new();
         for point in points {
             let at = grid.at(point);
+            if !at.is_finite() {
+                continue;
+            }
             let cell = at.floor().as_ivec3();
             let Some(number) = grid.number(cell) else { continue };
             let own = cells.entry(number).or_insert(SourceCell { cell, low: at, high: at });
