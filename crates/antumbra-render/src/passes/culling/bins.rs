@@ -168,7 +168,8 @@ fn clipped(corners: &[Vec3; 3], cell: IVec3) -> Vec<[Vec3; 3]> {
 }
 
 /// The part of a convex polygon beyond a plane across an axis, seen along a sign of the axis. A cut of an edge is the same,
-/// to the bit, for both triangles that share the edge and for both cells that share the plane.
+/// to the bit, for both triangles that share the edge and for both cells that share the plane; what other planes have cut before
+/// may be cut a rounding apart.
 fn clipped_at(polygon: &[Vec3], axis: usize, plane: f32, sign: f32) -> Vec<Vec3> {
     let mut out = Vec::with_capacity(polygon.len() + 1);
     for (i, &from) in polygon.iter().enumerate() {
