@@ -35,6 +35,7 @@ pub use light::Time;
 pub use passes::csm::{Cascades, MapFilter};
 pub use passes::culling;
 pub use passes::fog::Fog;
+pub use passes::lamp_maps::{Clustering, Culling, LampMaps, MapProjection, Marking};
 pub use passes::shadow::ShadowSource;
 pub use picture::Picture;
 pub use render::{Progress, RenderOptions, Renderer, render};

@@ -6,9 +6,10 @@ use antumbra_scene::{Camera, Light, Scene};
 use rayon::prelude::*;
 
 use crate::{
-    Picture, RenderError, ShadowSource, Time, Tracer,
-    area::{AreaLighting, AreaTechnique},
+    LampMaps, Picture, RenderError, ShadowSource, Time, Tracer,
+    area::{AreaLight, AreaLighting, AreaTechnique},
     camera::View,
+    light::{LightTracing, VirtualLight},
     passes::{
         World,
         ambient::{self, Gathered},
@@ -48,11 +49,26 @@ pub struct RenderOptions {
     pub fog: Option<Fog>,
     /// Lights with a surface, and how their shadows are found. At night, unless [`RenderOptions::time`] says otherwise.
     pub area: Option<AreaLighting>,
+    /// Shadow maps of the lamps that a bake does not hold, and over it of what moves; `None` for rays, or no shadows.
+    pub lamp_maps: Option<LampMaps>,
+    /// Virtual point lights, which stand for light that surfaces send on: see [`Renderer::virtual_lights`].
+    pub virtual_lights: Vec<VirtualLight>,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { width: 1280, height: 720, samples: 4, ao_samples: 12, exposure: None, time: None, fog: None, area: None }
+        Self {
+            width: 1280,
+            height: 720,
+            samples: 4,
+            ao_samples: 12,
+            exposure: None,
+            time: None,
+            fog: None,
+            area: None,
+            lamp_maps: None,
+            virtual_lights: Vec::new(),
+        }
     }
 }
 
@@ -66,6 +82,7 @@ impl RenderOptions {
         within("ao_samples", self.ao_samples, 0, 4096)?;
         self.fog.map_or(Ok(()), |fog| fog.check())?;
         self.area.as_ref().map_or(Ok(()), AreaLighting::check)?;
+        self.lamp_maps.as_ref().map_or(Ok(()), LampMaps::check)?;
         match self.exposure {
             Some(e) if !(e.is_finite() && e > 0.0) => Err(RenderError::Exposure(e)),
             _ => Ok(()),
@@ -106,6 +123,13 @@ impl<'a> Renderer<'a> {
         &self.tracer
     }
 
+    /// Virtual point lights that stand for the light which the scene's surfaces send on: light of its lamps, and of area lights,
+    /// is traced along paths (Keller 1997, *Instant radiosity*).
+    #[must_use]
+    pub fn virtual_lights(&self, how: &LightTracing, area: &[AreaLight]) -> Vec<VirtualLight> {
+        how.trace(self.scene, &self.tracer, &self.surfaces, area)
+    }
+
     /// Irradiance of a typical place that lamps and area lights light, by rays from them.
     #[cfg(feature = "gpu")]
     pub(crate) fn lamplit(&self, lamps: &[crate::light::Lamp], area: &[crate::area::AreaLight]) -> Option<f32> {
@@ -132,11 +156,11 @@ impl<'a> Renderer<'a> {
     ) -> Result<Picture, RenderError> {
         options.check()?;
         let view = View::new(camera, options.width, options.height)?;
-        let lights = shadows.known(&self.scene.lights)?;
+        let lights = shadows.known(&self.scene.lights, options.lamp_maps.is_some())?;
         let area = options.area.as_ref().map_or(&[][..], |area| &area.lights);
         let time = options.time.unwrap_or_else(|| options.suiting(&lights));
-        let world = World::new(&self.tracer, &self.surfaces, &lights, area, time);
-        let shadows = Shadows::new(&world, shadows, &view);
+        let world = World::new(&self.tracer, &self.surfaces, &lights, &options.virtual_lights, area, time);
+        let shadows = Shadows::new(&world, shadows, options.lamp_maps.as_ref(), &view);
         let job = Job { world: &world, view, shadows, options, progress, done: AtomicUsize::new(0) };
         let gathered = job.gather();
         let shaded = job.shade(&gathered);

@@ -61,8 +61,7 @@ impl Stage {
         if bake.is_none() {
             rebuild.start(lights.clone());
         }
-        let setting =
-            Setting { lights: lights.clone(), time: settings.time, bake: None, top_grid: true, area: &[], rays: None };
+        let setting = Setting { lights: lights.clone(), time: settings.time, top_grid: true, ..Setting::default() };
         Ok(Self {
             renderer: GpuRenderer::new(gpu, Arc::clone(&scene), setting)?,
             bake: bake.map(|file| (Arc::new(file), lights.clone())),
@@ -158,6 +157,7 @@ impl Stage {
             top_grid: settings.has_top_grid,
             area: &area,
             rays: rays.as_ref(),
+            ..Setting::default()
         };
         self.renderer.relight(setting)?;
         self.lit_by = lit_by;

@@ -8,7 +8,9 @@ use antumbra_render::area::{
     Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, Gathering, Interpolation, VoxelResolution,
 };
 use antumbra_render::gpu::{Gpu, GpuRenderer, LampLists, Lookup, Setting};
-use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time, default_camera};
+use antumbra_render::light::LightTracing;
+use antumbra_render::{Cascades, Fog, LampMaps, MapFilter, MapProjection, Picture, RenderOptions, Renderer};
+use antumbra_render::{ShadowSource, Time, default_camera};
 use antumbra_scene::{Camera, Scene};
 use antumbra_testbed::{baked, first_lights, gpu, procedural};
 use glam::DVec3;
@@ -58,6 +60,8 @@ fn compare_in(
         time: options.time,
         area: options.area.as_ref().map_or(&[], |area| &area.lights),
         bake,
+        has_lamp_maps: options.lamp_maps.is_some(),
+        virtual_lights: &options.virtual_lights,
         top_grid: lists == LampLists::Tiled,
         rays: Some(&rays),
     };
@@ -93,9 +97,10 @@ fn compare(what: &str, a: &Picture, b: &Picture) {
         let [own, there] = [a, b].map(|picture| &picture.rgb()[3 * i..3 * i + 3]);
         let like = |j: &usize| {
             let beside = |p: &Picture| p.rgb().get(3 * j..3 * j + 3).map(<[u8]>::to_vec).unwrap_or_default();
-            beside(a).iter().zip(own).chain(beside(b).iter().zip(there)).any(|(n, c)| n.abs_diff(*c) > 2)
+            beside(a).iter().zip(own).chain(beside(b).iter().zip(there)).any(|(n, c)| n.abs_diff(*c) > 1)
         };
-        assert!(neighbours.iter().any(like), "{what}: pixel {} {} of a plain surface differs", i % width, i / width);
+        let at = [i % width, i / width];
+        assert!(neighbours.iter().any(like), "{what}: pixel {at:?} of a plain surface differs: {own:?} {there:?}");
     }
     assert!(off.len() as f64 <= EDGES * all as f64, "{what}: {} of {all} pixels differ", off.len());
     println!("{what}: {} of {all} pixels differ by more than 1/255", off.len());
@@ -168,6 +173,87 @@ fn what_moves_casts_shadows_over_a_bake() {
     let traced = rays.render(&camera, &day, ShadowSource::Traced, &|_, _| {}).expect("a picture");
     let off = moving.hdr().iter().zip(traced.hdr()).filter(|(a, b)| (a[1] - b[1]).abs() > 0.05).count();
     assert!(off < moving.hdr().len() / 50, "{off} pixels unlike traced shadows");
+}
+
+#[test]
+fn lamps_maps_are_the_same() {
+    let mut scene = procedural("village", 0.2);
+    scene.lights = first_lights(&scene, [0, 6, 6]);
+    let scene = Arc::new(scene);
+    let cameras = scene.cameras[..1].to_vec();
+    let tent = Filter::new_tent(5).expect("a filter");
+    for (what, maps) in [
+        ("cubes", LampMaps::default()),
+        ("paraboloids", LampMaps { projection: MapProjection::Paraboloid, ..LampMaps::default() }),
+        ("a wide filter", LampMaps { filter: tent, size: 256, ..LampMaps::default() }),
+    ] {
+        let options = RenderOptions { lamp_maps: Some(maps), ..options(Time::Night) };
+        let none = (ShadowSource::None, None);
+        let off = compare_in(&gpu(), &scene, (what, &cameras), &options, none, Lookup::None, LampLists::Tiled);
+        assert!(off < 2e-3, "{what}: exposures differ by {off}");
+    }
+}
+
+#[test]
+fn virtual_lights_are_the_same() {
+    let mut scene = procedural("village", 0.2);
+    scene.lights = first_lights(&scene, [0, 6, 6]);
+    let scene = Arc::new(scene);
+    let rays = Renderer::new(&scene);
+    let virtual_lights = rays.virtual_lights(&LightTracing { lights: 40, ..LightTracing::default() }, &[]);
+    assert!(virtual_lights.len() >= 40);
+    let maps = LampMaps { size: 128, ..LampMaps::default() };
+    let options =
+        RenderOptions { lamp_maps: Some(maps), virtual_lights, exposure: Some(900.0), ..options(Time::Night) };
+    let setting = Setting {
+        lights: scene.lights.clone(),
+        time: options.time,
+        has_lamp_maps: true,
+        virtual_lights: &options.virtual_lights,
+        rays: Some(&rays),
+        ..Setting::default()
+    };
+    let mut on_card = GpuRenderer::new(&gpu(), Arc::clone(&scene), setting).expect("a renderer");
+    let by_cpu = rays.render(&scene.cameras[0], &options, ShadowSource::None, &|_, _| {}).expect("a picture");
+    let by_card = on_card.render(&scene.cameras[0], &options, Lookup::None).expect("a picture");
+    // Every light's shadows have borders of their own: there are few plain surfaces.
+    let pixels = by_cpu.rgb().chunks(3).zip(by_card.rgb().chunks(3));
+    let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1)).count();
+    println!("virtual lights: {off} of {} pixels differ by more than 1/255", by_cpu.rgb().len() / 3);
+    assert!(off as f64 <= 2.0 * EDGES * (by_cpu.rgb().len() / 3) as f64, "{off} pixels differ");
+    // And they matter.
+    let without = RenderOptions { virtual_lights: Vec::new(), ..options };
+    let without = rays.render(&scene.cameras[0], &without, ShadowSource::None, &|_, _| {}).expect("a picture");
+    let darker = by_cpu.hdr().iter().zip(without.hdr()).filter(|(a, b)| a[1] > 1.05 * b[1]).count();
+    assert!(darker > by_cpu.hdr().len() / 20, "{darker} pixels");
+}
+
+#[test]
+fn what_moves_casts_shadows_over_baked_lamps() {
+    let mut scene = procedural("village", 0.3);
+    scene.nodes.iter_mut().step_by(2).for_each(|node| node.dynamic = true);
+    let stage = Stage::new(scene, [0, 12, 12], 2048);
+    let filter = Filter::new_box(3).expect("a filter");
+    let source = ShadowSource::Dag { shadows: &stage.file, filter };
+    let maps = LampMaps { filter, ..LampMaps::default() };
+    let night = RenderOptions { lamp_maps: Some(maps), ..options(Time::Night) };
+    stage.compare("movers over baked lamps", &night, source, Lookup::Filter(filter), LampLists::Tiled);
+    // And it matters: without them more of the ground is brighter than by rays.
+    let rays = Renderer::new(&stage.scene);
+    let unlike = |options: &RenderOptions, source| {
+        let [own, traced] =
+            [(options, source), (&options_of(options), ShadowSource::Traced)].map(|(options, source)| {
+                rays.render(&stage.scene.cameras[1], options, source, &|_, _| {}).expect("a picture")
+            });
+        own.hdr().iter().zip(traced.hdr()).filter(|(a, b)| a[1] > 1.5 * b[1]).count()
+    };
+    let (with, without) = (unlike(&night, source), unlike(&options_of(&night), source));
+    assert!(2 * with < without, "{with} pixels brighter than by rays with maps, {without} without");
+}
+
+/// The same without lamps' maps.
+fn options_of(options: &RenderOptions) -> RenderOptions {
+    RenderOptions { lamp_maps: None, ..options.clone() }
 }
 
 #[test]

@@ -109,7 +109,7 @@ pub fn run(comparison: Comparison, progress: &Progress) -> Result<Report> {
     let rays = Renderer::new(&scene);
     let cameras = path::cameras(&scene, frames)?;
     let setting =
-        |bake| Setting { lights: suns.clone(), time: Some(Time::Day), bake, top_grid: true, area: &[], rays: None };
+        |bake| Setting { lights: suns.clone(), time: Some(Time::Day), bake, top_grid: true, ..Setting::default() };
     let mut with_bake = GpuRenderer::new(&gpu, Arc::clone(&scene), setting(Some(Arc::clone(&file))))?;
     let mut with_maps = GpuRenderer::new(&gpu, Arc::clone(&scene), setting(None))?;
     let techniques = techniques()?;

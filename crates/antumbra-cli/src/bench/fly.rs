@@ -95,8 +95,8 @@ pub fn run(
         time: Some(Time::Night),
         bake: Some(Arc::clone(&file)),
         top_grid,
-        area: &[],
         rays: Some(&rays),
+        ..Setting::default()
     };
     let mut renderer = GpuRenderer::new(&gpu, Arc::clone(&scene), setting(true))?;
     let mut measured = Vec::new();

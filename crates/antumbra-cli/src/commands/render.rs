@@ -286,8 +286,15 @@ fn draw_on_gpu(
     };
     // Maps shadow all suns, baked or not.
     let bake = bake.filter(|_| !matches!(lookup, Lookup::Maps(..)));
-    let setting =
-        Setting { lights: scene.lights.clone(), time: options.time, area, bake, top_grid: true, rays: rays.as_ref() };
+    let setting = Setting {
+        lights: scene.lights.clone(),
+        time: options.time,
+        area,
+        bake,
+        top_grid: true,
+        rays: rays.as_ref(),
+        ..Setting::default()
+    };
     let mut on_gpu = GpuRenderer::new(&gpu, Arc::clone(&scene), setting)?;
     progress.stage("drawing");
     Ok(on_gpu.render(camera, options, lookup)?)

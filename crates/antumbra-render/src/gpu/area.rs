@@ -501,14 +501,7 @@ mod tests {
         let size = VoxelResolution { map: 64, alpha: 96, theta: 64, phi: 160, points: 4096 };
         for technique in [AreaTechnique::Voxels, AreaTechnique::OneByOne] {
             let how = AreaLighting { technique, voxels: size, vpls: 20, ..AreaLighting::new(vec![light.clone()]) };
-            let setting = Setting {
-                lights: Vec::new(),
-                time: Some(Time::Night),
-                area: &how.lights,
-                bake: None,
-                top_grid: true,
-                rays: None,
-            };
+            let setting = Setting { time: Some(Time::Night), area: &how.lights, top_grid: true, ..Setting::default() };
             let mut renderer = GpuRenderer::new(&gpu, Arc::clone(&scene), setting).expect("a renderer");
             let options =
                 RenderOptions { width: 64, height: 36, samples: 1, area: Some(how.clone()), ..Default::default() };

@@ -115,7 +115,7 @@ impl Maps {
         for (i, (cascade, row)) in fitted.iter().zip(&rows).enumerate() {
             gpu.queue.write_buffer(&self.own[i], 0, bytemuck::bytes_of(row));
             let own = gpu.group(&raster.layouts[1], &[self.own[i].as_entire_binding()]);
-            recorder.draw("shadow maps", None, (&self.layers[i], 1.0), |pass| {
+            recorder.draw("shadow maps", None, (&self.layers[i], wgpu::LoadOp::Clear(1.0)), |pass| {
                 pass.set_bind_group(0, &geometry, &[]);
                 pass.set_bind_group(1, &own, &[]);
                 for (pipeline, cut_out) in [(&raster.opaque, false), (&raster.cut_out, true)] {

@@ -216,6 +216,8 @@ const USAGE: wgpu::BufferUsages =
 pub enum Slot {
     /// A storage buffer that is only read.
     Read,
+    /// A row of a storage buffer that is only read: which one is said when it is bound.
+    ReadAt,
     /// A storage buffer that is read and written.
     Write,
     /// A texture of unsigned numbers, read texel by texel.
@@ -232,9 +234,9 @@ impl Slot {
             multisampled: false,
         };
         match self {
-            Self::Read | Self::Write => wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: self == Self::Read },
-                has_dynamic_offset: false,
+            Self::Read | Self::ReadAt | Self::Write => wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: self != Self::Write },
+                has_dynamic_offset: self == Self::ReadAt,
                 min_binding_size: None,
             },
             Self::Uints => texture(wgpu::TextureSampleType::Uint, wgpu::TextureViewDimension::D2),

@@ -112,12 +112,17 @@ pub(crate) struct GpuLamp {
     pub cos_outer: f32,
     pub per_cosine: f32,
     pub light: u32,
-    pub pad: [u32; 2],
+    pub is_mapped: u32,
+    pub is_lambertian: u32,
 }
 
+/// Instead of the number of a baked light.
+pub(crate) const NOT_BAKED: u32 = u32::MAX;
+
 impl GpuLamp {
-    /// A lamp as seen from the eye; `light` is its number among the baked lights, `least` the irradiance that counts.
-    pub fn new(lamp: &Lamp, eye: DVec3, light: u32, least: f32) -> Self {
+    /// A lamp as seen from the eye; `light` is its number among the baked lights, if it is one of them, `least` the irradiance
+    /// that counts.
+    pub fn new(lamp: &Lamp, eye: DVec3, light: Option<u32>, least: f32, is_mapped: bool) -> Self {
         let (axis, cos_outer, per_cosine) = lamp.cone_parts().unwrap_or((DVec3::ZERO, -2.0, 0.0));
         Self {
             position: four((lamp.position_world - eye).as_vec3()),
@@ -125,12 +130,13 @@ impl GpuLamp {
             axis: four(axis.as_vec3()),
             // Infinity is no number that shaders promise to know.
             range_m: lamp.range_m.min(1e18) as f32,
-            near_m: lamp.near_m as f32,
-            reach_m: lamp.reach_m(least) as f32,
+            near_m: lamp.core_m as f32,
+            reach_m: lamp.reach_m(least).min(1e18) as f32,
             cos_outer: cos_outer as f32,
             per_cosine: per_cosine as f32,
-            light,
-            pad: [0; 2],
+            light: light.unwrap_or(NOT_BAKED),
+            is_mapped: is_mapped.into(),
+            is_lambertian: lamp.is_virtual().into(),
         }
     }
 }

@@ -4,6 +4,7 @@ use super::scene::GEOMETRY_SLOTS;
 use super::targets::{DEPTH_FORMAT, VISIBLE_FORMAT};
 use super::{Gpu, Kernel, Slot};
 use crate::area::{Gathering, Interpolation};
+use crate::passes::lamp_maps::MapProjection;
 
 const FRAME: &str = include_str!("frame.wgsl");
 const TEXEL: &str = include_str!("../passes/gbuffer/texel.wgsl");
@@ -27,13 +28,20 @@ const BOXES: &str = include_str!("../passes/lamps/boxes.wgsl");
 const CLUSTERS: &str = include_str!("../passes/lamps/clusters.wgsl");
 const LISTS: &str = include_str!("../passes/lamps/lists.wgsl");
 const LAMPS: &str = include_str!("../passes/lamps/lamps.wgsl");
+const LIST_OF: &str = include_str!("../passes/lamps/list_of.wgsl");
+const GRID: &str = include_str!("../passes/culling/grid.wgsl");
+const CLUSTER: &str = include_str!("../passes/culling/cluster.wgsl");
+const MAP_TARGET: &str = include_str!("../passes/lamp_maps/target.wgsl");
+const LAMP_MAP: &str = include_str!("../passes/lamp_maps/map.wgsl");
+const MAP_LOOKUP: &str = include_str!("../passes/lamp_maps/lookup.wgsl");
+const MAP_LIGHT: &str = include_str!("../passes/lamp_maps/light.wgsl");
 const VPL: &str = include_str!("../passes/ivsv/vpl.wgsl");
 const MAP: &str = include_str!("../passes/ivsv/map.wgsl");
 const AIRLIGHT: &str = include_str!("../passes/ivsv/airlight.wgsl");
 const LIGHTS: &str = include_str!("../passes/ivsv/lights.wgsl");
 const CONSTANTS: &str = "const PI: f32 = 3.14159265;";
 
-use Slot::{DepthLayers, Read, Uints, Write};
+use Slot::{DepthLayers, Read, ReadAt, Uints, Write};
 
 /// How passes look up shadows. Each way has programs of its own: a branch that is never taken costs registers, and on some
 /// cards time.
@@ -61,7 +69,7 @@ pub(crate) fn sources(lookups: &str, way: Way) -> Vec<(&'static str, String)> {
         ("tile boxes", [FRAME, TEXEL, LAMP, BOXES].concat()),
         ("clusters", [FRAME, LAMP, CLUSTERS].concat()),
         ("light lists", [FRAME, LAMP, LISTS].concat()),
-        ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LOOKUP, LAMPS].concat()),
+        ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LIST_OF, LOOKUP, LAMPS].concat()),
     ]
 }
 
@@ -149,6 +157,113 @@ impl AreaGather {
     }
 }
 
+/// The text of each pass of voxel culling; `marking` says how cells are marked (see `mark.wgsl`).
+pub(crate) fn culling_sources(marking: u32, projection: MapProjection) -> Vec<(&'static str, String)> {
+    let vertices = super::lamp_maps::vertices(projection);
+    let constants = format!("const MARKING: u32 = {marking}u;\nconst VERTICES: u32 = {vertices}u;\n");
+    let bins = |fill: bool| {
+        let fill = format!("const FILL: bool = {fill};\n");
+        [FRAME, GEOMETRY, GRID, &fill, include_str!("../passes/culling/bins.wgsl")].concat()
+    };
+    let scan = |step: u32| {
+        let step = format!("const STEP: u32 = {step}u;\n");
+        [GRID, &step, include_str!("../passes/culling/scan.wgsl")].concat()
+    };
+    let clusters = |text: &str| [GRID, CLUSTER, &constants, text].concat();
+    let target = match projection {
+        MapProjection::Cube => include_str!("../passes/lamp_maps/cube.wgsl"),
+        MapProjection::Paraboloid => include_str!("../passes/lamp_maps/paraboloid.wgsl"),
+    };
+    vec![
+        ("count triangles", bins(false)),
+        ("bin triangles", bins(true)),
+        ("sums", scan(0)),
+        ("spine", scan(1)),
+        ("spread", scan(2)),
+        ("receivers", [FRAME, TEXEL, GRID, include_str!("../passes/culling/receivers.wgsl")].concat()),
+        ("cells", clusters(include_str!("../passes/culling/cells.wgsl"))),
+        ("mark", clusters(include_str!("../passes/culling/mark.wgsl"))),
+        ("frusta", clusters(include_str!("../passes/culling/frusta.wgsl"))),
+        ("survivors", clusters(include_str!("../passes/culling/survivors.wgsl"))),
+        ("list", clusters(include_str!("../passes/culling/list.wgsl"))),
+        ("lamp map", [FRAME, GEOMETRY, GRID, MAP_TARGET, target].concat()),
+    ]
+}
+
+/// The text of the pass that looks lamps up in their maps.
+pub(crate) fn mapped_source(lookups: &str, way: Way, projection: MapProjection) -> String {
+    let is_cube = projection == MapProjection::Cube;
+    let way = format!("const SHADOW: u32 = {}u;\nconst IS_CUBE: bool = {is_cube};\n", way.shadow);
+    let parts = [lookups, &way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LIST_OF, LOOKUP, LAMP_MAP, MAP_LOOKUP, MAP_LIGHT];
+    parts.concat()
+}
+
+/// The program that looks lamps up in their maps.
+pub(crate) fn mapped_kernel(gpu: &Gpu, way: Way, projection: MapProjection, lookups: &str, slots: &[Slot]) -> Kernel {
+    let own: &[Slot] = &[Read, Read, Read, Read, Write, Read, Read, Read];
+    gpu.kernel("mapped lamps", &mapped_source(lookups, way, projection), &[own, slots, &[DepthLayers]])
+}
+
+/// Programs of voxel culling.
+#[derive(Debug)]
+pub(crate) struct CullPasses {
+    pub count: Kernel,
+    pub fill: Kernel,
+    /// Sums of blocks, sums before blocks, sums before cells.
+    pub scan: [Kernel; 3],
+    pub receivers: Kernel,
+    pub cells: Kernel,
+    pub mark: Kernel,
+    pub frusta: Kernel,
+    pub survivors: Kernel,
+    pub list: Kernel,
+}
+
+impl CullPasses {
+    pub fn new(gpu: &Gpu, marking: u32, projection: MapProjection) -> Self {
+        let sources = culling_sources(marking, projection);
+        let kernel = |name: &str, groups: &[&[Slot]]| gpu.kernel(name, source(&sources, name), groups);
+        let bins = |name| kernel(name, &[&GEOMETRY_SLOTS, &[Read, Read, Write, Read, Write, Write, Write]]);
+        Self {
+            count: bins("count triangles"),
+            fill: bins("bin triangles"),
+            scan: ["sums", "spine", "spread"].map(|name| kernel(name, &[&[Read, Read, Write, Write]])),
+            receivers: kernel("receivers", &[&[Read, Read, Read, Write]]),
+            cells: kernel("cells", &[&[Read, Read, Read, Write, Write]]),
+            mark: kernel("mark", &[&[Read, Read, Read, Read, Write]]),
+            frusta: kernel("frusta", &[&[Read, Read, Read, Read, Read, Write]]),
+            survivors: kernel("survivors", &[&[Read, Read, Read, Read, Read, Read, Read, Write]]),
+            list: kernel("list", &[&[Read, Read, Read, Read, Read, Read, Read, Write, Write]]),
+        }
+    }
+}
+
+/// Draws triangles into lamps' maps.
+#[derive(Debug)]
+pub(crate) struct MapRaster {
+    pub layouts: [wgpu::BindGroupLayout; 3],
+    pub opaque: wgpu::RenderPipeline,
+    pub cut_out: wgpu::RenderPipeline,
+}
+
+impl MapRaster {
+    pub fn new(gpu: &Gpu, projection: MapProjection) -> Self {
+        let sources = culling_sources(0, projection);
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let layouts = [
+            gpu.layout(&GEOMETRY_SLOTS, stages),
+            gpu.layout(&[Read, Read, Read, Read, Read], stages),
+            gpu.layout(&[ReadAt], stages),
+        ];
+        let text = source(&sources, "lamp map");
+        let make = Pipelines::new(gpu, "lamp map", text, &layouts, wgpu::CompareFunction::Greater);
+        let opaque = (projection == MapProjection::Paraboloid).then_some("opaque");
+        let opaque = make.pipeline("corner", opaque, &[]);
+        let cut_out = make.pipeline("corner_cut_out", Some("cut_out"), &[]);
+        Self { layouts, opaque, cut_out }
+    }
+}
+
 /// Programs that do not depend on the bake.
 #[derive(Debug)]
 pub(crate) struct Passes {
@@ -218,7 +333,8 @@ impl Raster {
         let layouts = [gpu.layout(&GEOMETRY_SLOTS, wgpu::ShaderStages::VERTEX_FRAGMENT)];
         let make = Pipelines::new(gpu, "raster", text, &layouts, wgpu::CompareFunction::Greater);
         let targets = [Some(VISIBLE_FORMAT.into())];
-        let (opaque, cut_out) = (make.pipeline(Some("opaque"), &targets), make.pipeline(Some("cut_out"), &targets));
+        let pipeline = |fragment| make.pipeline("corner", Some(fragment), &targets);
+        let (opaque, cut_out) = (pipeline("opaque"), pipeline("cut_out"));
         let [layout] = layouts;
         Self { layout, opaque, cut_out }
     }
@@ -237,7 +353,8 @@ impl DepthRaster {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let layouts = [gpu.layout(&GEOMETRY_SLOTS, stages), gpu.layout(&[Read], stages)];
         let make = Pipelines::new(gpu, "shadow map", text, &layouts, wgpu::CompareFunction::Less);
-        let (opaque, cut_out) = (make.pipeline(None, &[]), make.pipeline(Some("cut_out"), &[]));
+        let pipeline = |fragment| make.pipeline("corner", fragment, &[]);
+        let (opaque, cut_out) = (pipeline(None), pipeline(Some("cut_out")));
         Self { layouts, opaque, cut_out }
     }
 }
@@ -271,13 +388,18 @@ impl<'a> Pipelines<'a> {
     }
 
     /// With a fragment shader, or depth alone.
-    fn pipeline(&self, fragment: Option<&str>, targets: &[Option<wgpu::ColorTargetState>]) -> wgpu::RenderPipeline {
+    fn pipeline(
+        &self,
+        vertex: &str,
+        fragment: Option<&str>,
+        targets: &[Option<wgpu::ColorTargetState>],
+    ) -> wgpu::RenderPipeline {
         self.gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: fragment,
             layout: Some(&self.layout),
             vertex: wgpu::VertexState {
                 module: &self.module,
-                entry_point: Some("corner"),
+                entry_point: Some(vertex),
                 compilation_options: Default::default(),
                 buffers: &[],
             },
@@ -312,7 +434,9 @@ mod tests {
     use super::*;
     use crate::gpu::area::{Batch, GpuAreaLight, GpuVpl};
     use crate::gpu::csm::GpuCascade;
+    use crate::gpu::culling::{Chunk, CullGrid, GpuCluster};
     use crate::gpu::frame::{Frame, GpuLamp};
+    use crate::gpu::lamp_maps::{MAP_SIDE_BYTES, MapLayout, MapSide, MappedLamp};
     use crate::passes::ivsv::cloud::Share;
 
     fn parsed((name, text): (&'static str, String)) -> (&'static str, naga::Module) {
@@ -355,8 +479,9 @@ mod tests {
                 found[0] += 1;
             }
             if let Some((members, size)) = layout(&module, "Lamp") {
-                let here = offsets!(GpuLamp: position intensity axis range_m near_m reach_m cos_outer per_cosine light);
-                assert_eq!((&members[..here.0.len()], size), (&here.0[..], here.1), "{name}");
+                let here = offsets!(GpuLamp: position intensity axis range_m near_m reach_m cos_outer per_cosine light
+                    is_mapped is_lambertian);
+                assert_eq!((members, size), here, "{name}");
                 found[1] += 1;
             }
             if let Some(there) = layout(&module, "Cascade") {
@@ -412,5 +537,42 @@ mod tests {
             }
         }
         assert_eq!(found, [8, 8, 2, 1].map(|n| 54 * n));
+    }
+
+    #[test]
+    fn passes_of_lamp_maps_are_valid_and_their_structs_lie_in_memory_as_here() {
+        let lookups = shaders::source(&shaders::Lookup { group: 1, binding: 1, ..shaders::Lookup::default() });
+        let mut found = [0; 6];
+        for projection in [MapProjection::Cube, MapProjection::Paraboloid] {
+            let looked_up = mapped_source(&lookups, Way::default(), projection);
+            let all = (0..3).flat_map(|marking| culling_sources(marking, projection));
+            for (name, module) in all.chain([("mapped lamps", looked_up)]).map(parsed) {
+                let expected = [
+                    (
+                        "CullGrid",
+                        offsets!(CullGrid: cells_per_m side eye triangles most_refs item_words binning most_cells
+                        hair pad_0 pad_1 pad_2),
+                    ),
+                    ("Cluster", offsets!(GpuCluster: low reach high is_of_movers first_plane planes range_m pad)),
+                    ("Chunk", offsets!(Chunk: first count sides marked_sides border culling pad_0 pad_1)),
+                    (
+                        "MapSide",
+                        (
+                            offsets!(MapSide: light near_m origin size scale side begin end pad).0,
+                            MAP_SIDE_BYTES as usize,
+                        ),
+                    ),
+                    ("MapLayout", offsets!(MapLayout: first count tiles tile_size border radius kernel pad)),
+                    ("MappedLamp", offsets!(MappedLamp: lamp first_tile size near_m)),
+                ];
+                for ((of, here), found) in expected.into_iter().zip(&mut found) {
+                    if let Some(there) = layout(&module, of) {
+                        assert_eq!(there, here, "{name}: {of}");
+                        *found += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(found, [72, 30, 30, 6, 2, 2]);
     }
 }

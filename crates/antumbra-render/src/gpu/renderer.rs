@@ -11,6 +11,7 @@ use super::baked::Baked;
 use super::blit::Blit;
 use super::csm::Maps;
 use super::frame::{Frame, GpuLamp, SunLight, four};
+use super::lamp_maps::{Chosen, Mapper, Stage, chosen};
 use super::passes::{Lookups, Passes, Raster, Way};
 use super::scene::SceneBuffers;
 use super::targets::Targets;
@@ -18,13 +19,15 @@ use super::timing::{PassTime, Recorder, Timer};
 use super::{Gpu, Kernel};
 use crate::area::{AreaLight, AreaLighting, AreaTechnique};
 use crate::camera::View;
+use crate::light::Lamp;
+use crate::light::VirtualLight;
 use crate::passes::csm::Casters;
 use crate::passes::shade::reference::Shaded;
 use crate::passes::tonemap;
 use crate::passes::{Lighting, baked_light};
 use crate::render::RenderOptions;
 use crate::sampling::r2;
-use crate::{Cascades, Fog, MapFilter, Picture, RenderError, Renderer, ShadowSource, Time};
+use crate::{Cascades, Fog, LampMaps, MapFilter, Picture, RenderError, Renderer, ShadowSource, Time};
 
 /// How lamps are found that may reach a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,6 +76,9 @@ pub struct GpuRenderer {
     /// Lights with a surface, and how their shadows are found; traced ones are drawn without.
     pub area_lights: Option<AreaLighting>,
     pub(super) area: Option<Area>,
+    /// Shadow maps of the lamps that the bake lacks, and over it of what moves; without them those lamps cast no shadows.
+    pub lamp_maps: Option<LampMaps>,
+    pub(super) mapper: Option<Mapper>,
     /// The scene's, where they are now.
     nodes: Vec<Node>,
 }
@@ -85,6 +91,8 @@ struct Lit {
     baked: Baked,
     /// Programs by the way shadows are looked up: each made when it is first needed.
     lookups: Vec<(Way, Lookups)>,
+    /// By lamp: its number among the baked lights, if it is one of them.
+    numbers: Vec<Option<u32>>,
     suns: wgpu::Buffer,
     sky: wgpu::Buffer,
     lamps: wgpu::Buffer,
@@ -114,6 +122,7 @@ impl Lit {
         let lamps = lighting.lamps.all().len();
         Ok(Self {
             lookups: Vec::new(),
+            numbers: numbers(&lighting, bake.as_deref()),
             suns: gpu.buffer("suns", &suns),
             sky: gpu.buffer("sky", &sky),
             lamps: gpu.zeros("lamps", (lamps * size_of::<GpuLamp>()) as u64),
@@ -131,14 +140,14 @@ impl Lit {
     }
 
     /// Moves the reference point of lamps and baked lights to the eye.
-    fn see_from(&self, gpu: &Gpu, eye: DVec3) {
+    fn see_from(&self, gpu: &Gpu, eye: DVec3, is_mapped: &[bool]) {
         if let Some(file) = &self.bake {
             self.baked.see_from(gpu, file, eye);
         }
-        let first = self.lighting.suns.len() as u32;
         let least = self.lighting.lamps.least;
-        let lamps = self.lighting.lamps.all().iter().zip(first..);
-        let lamps: Vec<_> = lamps.map(|(lamp, light)| GpuLamp::new(lamp, eye, light, least)).collect();
+        let lamps = self.lighting.lamps.all().iter().zip(&self.numbers).zip(is_mapped);
+        let lamps: Vec<_> =
+            lamps.map(|((lamp, light), is_mapped)| GpuLamp::new(lamp, eye, *light, least, *is_mapped)).collect();
         if !lamps.is_empty() {
             gpu.queue.write_buffer(&self.lamps, 0, bytemuck::cast_slice(&lamps));
         }
@@ -146,9 +155,9 @@ impl Lit {
 }
 
 /// What lights a picture, and casts shadows in it.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Setting<'r> {
-    /// The lights; those that the bake lacks stay dark.
+    /// The lights; those that the bake lacks stay dark, but for lamps with maps.
     pub lights: Vec<Light>,
     /// Day or night; `None` for what suits the lights.
     pub time: Option<Time>,
@@ -156,6 +165,10 @@ pub struct Setting<'r> {
     pub area: &'r [AreaLight],
     /// The bake, if there is one.
     pub bake: Option<Arc<ShadowFile>>,
+    /// Whether lamps that the bake lacks are lit: their shadows are in maps ([`GpuRenderer::lamp_maps`]).
+    pub has_lamp_maps: bool,
+    /// Virtual point lights: see [`Renderer::virtual_lights`].
+    pub virtual_lights: &'r [VirtualLight],
     /// Whether lookups begin at the top grid: faster, the same answers.
     pub top_grid: bool,
     /// Asked for rays at night, to see how bright lamps make the scene; without it that is a guess.
@@ -183,6 +196,8 @@ impl GpuRenderer {
             fog: None,
             area_lights: None,
             area: None,
+            lamp_maps: None,
+            mapper: None,
             nodes: scene.nodes.clone(),
             gpu: gpu.clone(),
             scene,
@@ -267,6 +282,7 @@ impl GpuRenderer {
         }
         self.fog = options.fog;
         self.area_lights.clone_from(&options.area);
+        self.lamp_maps.clone_from(&options.lamp_maps);
         let view = View::new(camera, options.width, options.height)?;
         self.light(&view, options.samples, lookup)?;
         let exposure = match options.exposure {
@@ -281,7 +297,7 @@ impl GpuRenderer {
     pub(crate) fn light(&mut self, view: &View, samples: u32, lookup: Lookup) -> Result<(), RenderError> {
         self.timer.begin_frame();
         self.buffers.place(&self.gpu, &self.nodes, view.eye);
-        self.lit.see_from(&self.gpu, view.eye);
+        self.lit.see_from(&self.gpu, view.eye, &self.is_mapped());
         for sample in 0..samples {
             let mut frame = Frame::new(view, &self.lit.lighting, sample, samples, r2(sample));
             set_lookup(&mut frame, lookup);
@@ -302,17 +318,81 @@ impl GpuRenderer {
             if frame.area_lights > 0 && sample == 0 {
                 self.begin_area(view, &frame)?;
             }
+            if sample == 0 {
+                self.begin_mapper(view, way)?;
+            }
             self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
             let mut timer = std::mem::replace(&mut self.timer, Timer::off());
+            let mut mapper = self.mapper.take();
             let mut recorder = Recorder::new(&self.gpu, &mut timer);
             if let Some((_, casters)) = maps.filter(|_| sample == 0) {
                 self.draw_maps(&mut recorder, view, casters);
             }
             self.draw(&mut recorder, &frame, way);
+            if let Some(mapper) = &mut mapper {
+                self.draw_mapped(&mut recorder, mapper, view, way);
+            }
             recorder.submit();
-            self.timer = timer;
+            (self.timer, self.mapper) = (timer, mapper);
         }
         Ok(())
+    }
+
+    /// By lamp: whether its shadows come from a map.
+    fn is_mapped(&self) -> Vec<bool> {
+        let mut is_mapped = vec![false; self.lit.numbers.len()];
+        self.chosen().iter().for_each(|own| is_mapped[own.index as usize] = true);
+        is_mapped
+    }
+
+    /// The lamps that maps are drawn of.
+    fn chosen(&self) -> Vec<Chosen<'_>> {
+        if self.lamp_maps.is_none() {
+            return Vec::new();
+        }
+        let Lit { lighting, numbers, .. } = &self.lit;
+        chosen(lighting.lamps.all(), |lamp| numbers[lamp].is_some(), lighting.lamps.least, &self.buffers)
+    }
+
+    /// Gets ready for lamps' maps, as a view sees them.
+    fn begin_mapper(&mut self, view: &View, way: Way) -> Result<(), RenderError> {
+        let Some(how) = &self.lamp_maps else { return Ok(()) };
+        if !self.mapper.as_mut().is_some_and(|mapper| mapper.turn_to(how)) {
+            self.mapper = None;
+            self.mapper = Some(Mapper::new(&self.gpu, how, &self.buffers, &self.bounds)?);
+        }
+        let count = self.chosen().len();
+        let mut mapper = self.mapper.take();
+        let result = match (&mut mapper, self.stage(view, way)) {
+            (Some(mapper), Some(stage)) if count > 0 => mapper.begin(&stage, count),
+            _ => Ok(()),
+        };
+        self.mapper = mapper;
+        result
+    }
+
+    /// What lamps' maps are drawn with; `None` without lamps.
+    fn stage<'s>(&'s self, view: &'s View, way: Way) -> Option<Stage<'s>> {
+        let Self { gpu, buffers, frame, targets, lists, lit, .. } = self;
+        let (baked, lamps) = (&lit.baked, &lit.lamps);
+        let (targets, lists) = (targets.as_ref()?, &lists.as_ref()?.lists);
+        Some(Stage { gpu, view, scene: buffers, frame, targets, way, baked, lamps, lists })
+    }
+
+    /// Records a sample's light of the lamps that have maps.
+    fn draw_mapped(&self, recorder: &mut Recorder<'_>, mapper: &mut Mapper, view: &View, way: Way) {
+        let chosen = self.chosen();
+        if let Some(stage) = self.stage(view, way).filter(|_| !chosen.is_empty()) {
+            mapper.draw(recorder, &stage, &chosen);
+        }
+    }
+
+    /// Triangles drawn into all lamps' maps in the last sample, a triangle of several sides as often.
+    ///
+    /// # Errors
+    /// [`RenderError::GpuLost`].
+    pub fn map_triangles(&self) -> Result<u64, RenderError> {
+        self.mapper.as_ref().map_or(Ok(0), |mapper| mapper.triangles(&self.gpu))
     }
 
     /// Gets ready for area lights, as a view sees them.
@@ -330,6 +410,7 @@ impl GpuRenderer {
         if let Some(moved) = self.nodes.get_mut(node) {
             moved.world_from_mesh = world_from_mesh;
             self.buffers.moved(&self.scene, node, moved);
+            self.mapper.iter_mut().for_each(Mapper::moved);
         }
     }
 
@@ -477,12 +558,12 @@ impl GpuRenderer {
 
 /// A scene's lights, those of them whose shadows are known.
 fn lit(gpu: &Gpu, scene: &Scene, setting: Setting<'_>) -> Result<Lit, RenderError> {
-    let Setting { lights, time, area, bake, top_grid, rays } = setting;
-    let known = bake.as_deref().map_or(ShadowSource::None, ShadowSource::of_file).known(&lights)?;
+    let Setting { lights, time, area, bake, has_lamp_maps, virtual_lights, top_grid, rays } = setting;
+    let known = bake.as_deref().map_or(ShadowSource::None, ShadowSource::of_file).known(&lights, has_lamp_maps)?;
     let suiting = || if area.is_empty() { Time::suiting(&known) } else { Time::Night };
     let time = time.unwrap_or_else(suiting);
     let diagonal_m = scene.bounds(|_| true).diagonal();
-    let lighting = Lighting::new(&known, time, diagonal_m, |lamps| rays?.lamplit(lamps, area));
+    let lighting = Lighting::new(&known, virtual_lights, time, diagonal_m, |lamps| rays?.lamplit(lamps, area));
     Lit::new(gpu, lighting, bake, top_grid)
 }
 
@@ -526,7 +607,7 @@ fn raster(
     targets: &Targets,
 ) {
     let group = gpu.group(&raster.layout, &buffers.resources(frame));
-    recorder.draw("raster", Some(&targets.visible_part), (&targets.depth, 0.0), |pass| {
+    recorder.draw("raster", Some(&targets.visible_part), (&targets.depth, wgpu::LoadOp::Clear(0.0)), |pass| {
         pass.set_bind_group(0, &group, &[]);
         for (pipeline, cut_out) in [(&raster.opaque, false), (&raster.cut_out, true)] {
             pass.set_pipeline(pipeline);
@@ -570,7 +651,18 @@ fn set_lookup(frame: &mut Frame, lookup: Lookup) {
     };
 }
 
-/// The baked lights that passes know: suns, then lamps. All of them are there: others were left out of the lighting.
+/// By lamp, its number among the baked lights ([`baked_lights`]), if it is one of them.
+fn numbers(lighting: &Lighting, bake: Option<&ShadowFile>) -> Vec<Option<u32>> {
+    let mut next = lighting.suns.len() as u32;
+    let number = |lamp: &Lamp| {
+        baked_light(bake?, Some(&lamp.name), true)?;
+        next += 1;
+        Some(next - 1)
+    };
+    lighting.lamps.all().iter().map(number).collect()
+}
+
+/// The baked lights that passes know: suns, all of which are there, then the lamps that are.
 fn baked_lights<'f>(lighting: &Lighting, file: &'f ShadowFile) -> Vec<LightShadow<'f>> {
     let suns = lighting.suns.iter().map(|sun| baked_light(file, sun.name.as_deref(), false));
     let lamps = lighting.lamps.all().iter().map(|lamp| baked_light(file, Some(&lamp.name), true));

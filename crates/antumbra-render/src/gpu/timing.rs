@@ -143,12 +143,12 @@ impl<'a> Recorder<'a> {
         self.encoder.clear_buffer(buffer, 0, None);
     }
 
-    /// A pass that draws triangles.
+    /// A pass that draws triangles, over a depth that begins as it says.
     pub fn draw(
         &mut self,
         name: &'static str,
         color: Option<&wgpu::TextureView>,
-        (depth, farthest): (&wgpu::TextureView, f32),
+        (depth, load): (&wgpu::TextureView, wgpu::LoadOp<f32>),
         record: impl FnOnce(&mut wgpu::RenderPass<'_>),
     ) {
         let start = self.begin(name);
@@ -165,7 +165,7 @@ impl<'a> Recorder<'a> {
             ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
         });
         let colors: Vec<_> = color.into_iter().map(Some).collect();
-        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(farthest), store: wgpu::StoreOp::Store };
+        let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
         let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(name),
             color_attachments: &colors,

@@ -21,7 +21,11 @@ pub struct Lamp {
     pub range_m: f64,
     /// Casters nearer than this, metres along the longest of the light's axes, are ignored.
     pub near_m: f64,
+    /// Light gets no brighter nearer than this, metres: a lamp has a size.
+    pub(crate) core_m: f64,
     cone: Option<Cone>,
+    /// Of a virtual point light, the unit normal of its surface: it sends light by the cosine to that.
+    surface_normal: Option<DVec3>,
 }
 
 /// A spot light's cone.
@@ -62,8 +66,31 @@ impl Lamp {
             intensity,
             range_m: light.range_m.unwrap_or(f64::INFINITY),
             near_m: light.range_m.unwrap_or(diagonal_m) * NEAR_PER_RANGE,
+            core_m: light.range_m.unwrap_or(diagonal_m) * NEAR_PER_RANGE,
             cone,
+            surface_normal: None,
         })
+    }
+
+    /// A point of a surface that sends on light: a virtual point light. `intensity` is its irradiance at 1 m along its normal, in
+    /// the unit of pictures. Nearer than `core_m` it gets no brighter (Keller 1997, *Instant radiosity*, has its singularity there).
+    pub(crate) fn of_surface(
+        name: String,
+        position_world: DVec3,
+        normal_world: DVec3,
+        intensity: Vec3,
+        core_m: f64,
+    ) -> Self {
+        Self {
+            name,
+            position_world,
+            intensity,
+            range_m: f64::INFINITY,
+            near_m: core_m * NEAR_PER_RANGE * 16.0,
+            core_m,
+            cone: None,
+            surface_normal: Some(normal_world),
+        }
     }
 
     /// The light at a point with nothing in the way: intensity over the squared distance, faded out towards the range
@@ -72,25 +99,57 @@ impl Lamp {
     pub fn at(&self, point_world: DVec3) -> Option<Lamplight> {
         let to_lamp = self.position_world - point_world;
         let distance = to_lamp.length();
-        // A lamp has a size: nothing gets closer to its light than its near distance.
-        let squared = distance.max(self.near_m).powi(2);
-        let window = (1.0 - (distance / self.range_m).powi(4)).clamp(0.0, 1.0);
+        let squared = distance.max(self.core_m).powi(2);
+        let window = self.window(distance);
         let towards = to_lamp.try_normalize()?;
-        let share = window * self.cone.map_or(1.0, |cone| cone.share(-towards)) / squared;
+        let share = window * self.share(-towards) / squared;
         (share > 0.0 && share.is_finite())
             .then(|| Lamplight { towards: towards.as_vec3(), irradiance: self.intensity * share as f32 })
     }
 
+    /// Share of its light that is left at a distance before its range.
+    pub(crate) fn window(&self, distance: f64) -> f64 {
+        (1.0 - (distance / self.range_m).powi(4)).clamp(0.0, 1.0)
+    }
+
+    /// Share of its intensity that it has in a direction.
+    fn share(&self, direction: DVec3) -> f64 {
+        match (self.surface_normal, self.cone) {
+            (Some(normal), _) => normal.dot(direction).max(0.0),
+            (None, Some(cone)) => cone.share(direction),
+            (None, None) => 1.0,
+        }
+    }
+
+    /// A direction that the lamp shines in, by a point of the unit square, and the power that it would give if all directions
+    /// had as much.
+    pub(crate) fn emitted(&self, [x, y]: [f64; 2]) -> (DVec3, Vec3) {
+        let direction = self.direction(x, y);
+        let solid_angle = std::f64::consts::TAU * (1.0 - self.axis().1);
+        (direction, self.intensity * (self.share(direction) * solid_angle) as f32)
+    }
+
     /// How far the lamp gives at least `least` of irradiance (in the unit of pictures), metres.
     pub(crate) fn reach_m(&self, least: f32) -> f64 {
+        // Of virtual lights there are many: what little each of them gives counts together.
+        if self.is_virtual() {
+            return self.range_m;
+        }
         self.range_m.min(f64::from(luminance(self.intensity) / least).sqrt())
     }
 
+    /// Whether it is a virtual point light: a point of a surface that sends on what it receives.
+    #[must_use]
+    pub fn is_virtual(&self) -> bool {
+        self.surface_normal.is_some()
+    }
+
     /// A spot light's axis, the cosine of its outer angle, and what takes cosines from the outer angle's to 0 and the inner
-    /// one's to 1.
+    /// one's to 1; a virtual light's normal.
     #[cfg(feature = "gpu")]
     pub(crate) fn cone_parts(&self) -> Option<(DVec3, f64, f64)> {
-        self.cone.map(|cone| (cone.axis_world, cone.cos_outer, cone.per_cosine))
+        let of_cone = |cone: Cone| (cone.axis_world, cone.cos_outer, cone.per_cosine);
+        self.surface_normal.map(|normal| (normal, 0.0, 0.0)).or(self.cone.map(of_cone))
     }
 
     /// How far along a ray from a point (parameter 0) to the lamp (parameter 1) casters count.
@@ -107,9 +166,16 @@ impl Lamp {
         if depth > self.near_m { 1.0 - self.near_m / depth } else { 0.0 }
     }
 
+    /// The axis of its light, and the cosine of the angle to it that all of it lies within.
+    fn axis(&self) -> (DVec3, f64) {
+        let of_cone = |cone: Cone| (cone.axis_world, cone.cos_outer);
+        let of_surface = self.surface_normal.map(|normal| (normal, 0.0));
+        of_surface.or(self.cone.map(of_cone)).unwrap_or((DVec3::NEG_Y, -1.0))
+    }
+
     /// A unit direction that the lamp shines in, by a point of the unit square: evenly over its cone, or all round.
     pub(crate) fn direction(&self, x: f64, y: f64) -> DVec3 {
-        let (axis, cos_outer) = self.cone.map_or((DVec3::NEG_Y, -1.0), |cone| (cone.axis_world, cone.cos_outer));
+        let (axis, cos_outer) = self.axis();
         let cos = 1.0 - y * (1.0 - cos_outer);
         let (sin_turn, cos_turn) = (std::f64::consts::TAU * x).sin_cos();
         let (right, down) = axis.any_orthonormal_pair();

@@ -11,12 +11,14 @@ mod lamps;
 mod sky;
 mod sun;
 mod time;
+mod virtual_lights;
 
 pub use lamp::{Lamp, Lamplight};
 pub(crate) use lamps::Lamps;
 pub use sky::Sky;
 pub use sun::Sun;
 pub use time::Time;
+pub use virtual_lights::{LightTracing, VirtualLight};
 
 use glam::Vec3;
 

@@ -10,6 +10,7 @@ pub mod culling;
 pub(crate) mod fog;
 pub(crate) mod gbuffer;
 pub(crate) mod ivsv;
+pub mod lamp_maps;
 pub(crate) mod shade;
 pub(crate) mod shadow;
 pub(crate) mod tonemap;

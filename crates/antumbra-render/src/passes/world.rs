@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 
 use crate::{
     area::{AreaLight, AreaShape},
-    light::{LUX, Lamp, Lamps, Sky, Sun, Time, luminance},
+    light::{LUX, Lamp, Lamps, Sky, Sun, Time, VirtualLight, luminance},
     sampling::{cosine_direction, r2},
     surface::{Surface, Surfaces},
     trace::{Ray, Tracer},
@@ -59,15 +59,16 @@ const RAYS_PER_AREA_LIGHT: u32 = 256;
 const RAYS_PER_LAMP: u32 = 64;
 
 impl Lighting {
-    /// The light of some of a scene's lights, by day or night. `lamplit` finds the irradiance of a place that lamps light:
+    /// The light of some of a scene's lights and of virtual ones, by day or night. `lamplit` finds the irradiance of a place that lamps light:
     /// asked at night alone.
     pub(crate) fn new(
         lights: &[Light],
+        virtual_lights: &[VirtualLight],
         time: Time,
         diagonal_m: f64,
         lamplit: impl FnOnce(&[Lamp]) -> Option<f32>,
     ) -> Self {
-        let lamps: Vec<Lamp> = lights.iter().filter_map(|light| Lamp::of_light(light, diagonal_m)).collect();
+        let mut lamps: Vec<Lamp> = lights.iter().filter_map(|light| Lamp::of_light(light, diagonal_m)).collect();
         let (suns, sky, plainly_lit, glow) = match time {
             Time::Day => {
                 let suns = Sun::of_lights(lights);
@@ -85,6 +86,7 @@ impl Lighting {
         };
         let from_suns: Vec3 = suns.iter().map(|s| s.irradiance * (s.towards_world.y as f32).max(0.35)).sum();
         let from_lamps = if time == Time::Night { plainly_lit * LAMPS_ALL_ROUND / PI } else { 0.0 };
+        lamps.extend(virtual_lights.iter().enumerate().map(|(i, light)| light.lamp(i, diagonal_m)));
         let outdoors = from_suns / PI + sky.overhead() + from_lamps;
         let lamps = Lamps::new(lamps, plainly_lit * LEAST_SHARE);
         Self { time, suns, lamps, sky, outdoors, plainly_lit, glow, diagonal_m }
@@ -92,16 +94,17 @@ impl Lighting {
 }
 
 impl<'w> World<'w> {
-    /// A scene in the light of some of its lights and of area lights, by day or night.
+    /// A scene in the light of some of its lights, of virtual lights and of area lights, by day or night.
     pub(crate) fn new(
         tracer: &'w Tracer,
         surfaces: &'w Surfaces<'w>,
         lights: &[Light],
+        virtual_lights: &[VirtualLight],
         area: &'w [AreaLight],
         time: Time,
     ) -> Self {
         let lamplit = |lamps: &[Lamp]| lamplit(tracer, surfaces, lamps, area);
-        let lighting = Lighting::new(lights, time, tracer.bounds().diagonal(), lamplit);
+        let lighting = Lighting::new(lights, virtual_lights, time, tracer.bounds().diagonal(), lamplit);
         Self { tracer, surfaces, lighting, area }
     }
 

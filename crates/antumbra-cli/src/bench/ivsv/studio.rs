@@ -55,12 +55,11 @@ impl Studio {
         progress.stage("preparing the scene");
         let rays = Renderer::new(&scene);
         let setting = Setting {
-            lights: Vec::new(),
             time: Some(Time::Night),
             area: &study.lights,
-            bake: None,
             top_grid: true,
             rays: Some(&rays),
+            ..Setting::default()
         };
         let renderer = GpuRenderer::new(&gpu, Arc::clone(&scene), setting)?;
         let traced = AreaLighting {

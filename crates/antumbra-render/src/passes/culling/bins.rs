@@ -9,6 +9,8 @@ use super::grid::{Grid, HAIR};
 /// What becomes of triangles that touch many cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binning {
+    /// Kept whole, in every cell that they touch: drawn once, however many of those are marked.
+    Whole,
     /// Cut at the cells' sides: each cell has its own piece, as triangles. What paraboloid maps want.
     Clip,
     /// Kept whole in a list that nothing culls, if they touch more than so many cells; the paper: 2.
@@ -42,8 +44,8 @@ impl Bins {
     /// Bins triangles, given by their corners in the world: on all threads, and the same whatever their number. Triangles that
     /// do not lie in the grid, all of them, are culled by nothing.
     ///
-    /// A triangle is held against all cells of its box: up to 2 million in the finest grid. Each of its cells takes 48 bytes while
-    /// binning, and 4 afterwards (40 if it is clipped).
+    /// A triangle is held against the cells of its box that its plane runs through: up to 50 thousand in the finest grid. Each of
+    /// its cells takes 48 bytes while binning, and 4 afterwards (40 if it is clipped).
     #[must_use]
     pub fn new(grid: &Grid, triangles: &[[DVec3; 3]], binning: Binning) -> Self {
         let pieces_of = |i: usize| pieces(grid, i as u32, triangles[i], binning);
@@ -116,6 +118,7 @@ fn pieces(grid: &Grid, triangle: u32, world: [DVec3; 3], binning: Binning) -> Op
     }
     let numbered = touched(grid, &corners).filter_map(|cell| Some((cell, grid.number(cell)? as u32)));
     match binning {
+        Binning::Whole => Some(numbered.map(|(_, cell)| Piece { cell, triangle, corners }).collect()),
         Binning::NoCull { most_cells } => {
             let own: Vec<Piece> =
                 numbered.take(most_cells as usize + 1).map(|(_, cell)| Piece { cell, triangle, corners }).collect();
@@ -129,14 +132,37 @@ fn pieces(grid: &Grid, triangle: u32, world: [DVec3; 3], binning: Binning) -> Op
     }
 }
 
-/// The cells that a triangle touches, corners in cells: those of its box whose own box it is not separated from.
+/// The cells that a triangle touches, corners in cells: those of its box whose own box it is not separated from. In each column along
+/// the axis that its plane faces most, the plane runs through a few of them.
 fn touched(grid: &Grid, corners: &[Vec3; 3]) -> impl Iterator<Item = IVec3> {
-    let last = Vec3::splat((grid.side() - 1) as f32);
+    let last = (grid.side() - 1) as f32;
     let low = corners.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = corners.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
-    let [low, high] = [low - HAIR, high + HAIR].map(|p| p.floor().clamp(Vec3::ZERO, last).as_ivec3());
-    let all = (low.z..=high.z)
-        .flat_map(move |z| (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| IVec3::new(x, y, z))));
+    let [low, high] = [low - HAIR, high + HAIR].map(|p| p.floor().clamp(Vec3::ZERO, Vec3::splat(last)).as_ivec3());
+    let [ab, ac] = [corners[1] - corners[0], corners[2] - corners[0]];
+    let normal = ab.cross(ac);
+    let w = normal.abs().max_position();
+    let (u, v) = ((w + 1) % 3, (w + 2) % 3);
+    // A sliver's plane says too little about where it is.
+    let is_sliver = normal[w].abs() < 1e-3 * ab.length_squared().max(ac.length_squared());
+    let (slope_u, slope_v) = (normal[u] / normal[w], normal[v] / normal[w]);
+    let reach = (0.5 + HAIR) * (slope_u.abs() + slope_v.abs()) + 2.0 * HAIR;
+    let start = corners[0];
+    let column = move |i: i32, j: i32| {
+        let (first, final_) = if is_sliver {
+            (low[w], high[w])
+        } else {
+            let middle = start[w] - slope_u * (i as f32 + 0.5 - start[u]) - slope_v * (j as f32 + 0.5 - start[v]);
+            let cell = |at: f32| at.clamp(-1.0, last + 1.0).floor() as i32;
+            (cell(middle - reach).max(low[w]), cell(middle + reach).min(high[w]))
+        };
+        (first..=final_).map(move |k| {
+            let mut cell = IVec3::ZERO;
+            (cell[u], cell[v], cell[w]) = (i, j, k);
+            cell
+        })
+    };
+    let all = (low[u]..=high[u]).flat_map(move |i| (low[v]..=high[v]).flat_map(move |j| column(i, j)));
     all.filter(|cell| touches(corners, *cell))
 }
 

@@ -38,6 +38,11 @@ impl Hull {
         Self { planes }
     }
 
+    /// Its planes: normals outward, and their dot products with the planes' points.
+    pub fn planes(&self) -> impl Iterator<Item = (DVec3, f64)> + '_ {
+        self.planes.iter().copied()
+    }
+
     /// Whether a box may touch the hull: false only where one of its planes parts them.
     #[must_use]
     pub fn touches(&self, bounds: &Bounds) -> bool {

@@ -49,7 +49,8 @@ impl Footprint {
 }
 
 impl Receivers {
-    /// Of points that are seen, in the world; what lies outside the grid, or nowhere, is left out.
+    /// Of points that are seen, in the world; what lies outside the grid belongs to the nearest cell, what lies nowhere is left
+    /// out.
     #[must_use]
     pub fn new(grid: &Grid, points: impl IntoIterator<Item = DVec3>) -> Self {
         let mut cells: BTreeMap<usize, SourceCell> = BTreeMap::new();
@@ -58,7 +59,8 @@ impl Receivers {
             if !at.is_finite() {
                 continue;
             }
-            let cell = at.floor().as_ivec3();
+            let last = Vec3::splat((grid.side() - 1) as f32);
+            let cell = at.floor().clamp(Vec3::ZERO, last).as_ivec3();
             let Some(number) = grid.number(cell) else { continue };
             let own = cells.entry(number).or_insert(SourceCell { cell, low: at, high: at });
             (own.low, own.high) = (own.low.min(at), own.high.max(at));

@@ -119,7 +119,7 @@ proptest! {
             bounds.min + p.as_dvec3() / grid.cells_per_m()
         };
         let triangles: Vec<[DVec3; 3]> = corners.iter().map(|t| t.map(metres)).collect();
-        let bins = Bins::new(&grid, &triangles, Binning::NoCull { most_cells: u32::MAX });
+        let bins = Bins::new(&grid, &triangles, Binning::Whole);
         let clipped = Bins::new(&grid, &triangles, Binning::Clip);
         for (i, [a, b, c]) in corners.iter().enumerate() {
             let mut area = 0.0;
@@ -197,7 +197,7 @@ fn no_texel_that_a_lookup_reads_is_missed() {
         let corners: Vec<[DVec3; 3]> =
             (0..tracer.triangle_count()).map(|i| tracer.corners(crate::TriangleId(i as u32))).collect();
         let grid = Grid::new(&tracer.bounds(), 32);
-        let bins = Bins::new(&grid, &corners, Binning::NoCull { most_cells: u32::MAX });
+        let bins = Bins::new(&grid, &corners, Binning::Whole);
         let eye = DVec3::new(5.0, 4.0, -4.0);
         let rays = (0..300).map(|i| {
             let (x, y) = (f64::from(i % 20) / 40.0 - 0.25, f64::from(i / 20) / 30.0 - 0.4);
@@ -251,12 +251,14 @@ fn no_texel_that_a_lookup_reads_is_missed() {
 }
 
 #[test]
-fn what_lies_off_the_grid_is_neither_seen_nor_culled() {
+fn what_lies_off_the_grid_is_not_culled_and_is_seen_from_its_rim() {
     let grid = grid();
-    let nowhere = [DVec3::NAN, DVec3::splat(-5.0), DVec3::splat(1e300)];
+    let nowhere = [DVec3::NAN, DVec3::splat(1e300)];
     assert_eq!(Receivers::new(&grid, nowhere).cells, []);
+    let outside = Receivers::new(&grid, [DVec3::splat(-5.0)]).cells;
+    assert!(outside.len() == 1 && outside[0].cell == IVec3::ZERO && outside[0].low.max_element() < -4.9);
     let triangle = [DVec3::ZERO, DVec3::X, DVec3::new(0.0, 40.0, 0.0)];
-    for binning in [Binning::Clip, Binning::NoCull { most_cells: 2 }] {
+    for binning in [Binning::Whole, Binning::Clip, Binning::NoCull { most_cells: 2 }] {
         let bins = Bins::new(&grid, &[triangle], binning);
         assert_eq!((bins.unculled(), bins.occupied().count()), (&[0][..], 0));
     }

@@ -10,15 +10,19 @@ struct Lamp {
     near_m: f32,
     // Beyond this it gives too little to count.
     reach_m: f32,
-    // -2 for light all round.
+    // -2 for light all round, 0 for a point of a surface.
     cos_outer: f32,
     // Takes the cosine from the outer angle's to 0 and the inner one's to 1.
     per_cosine: f32,
-    // Which of the baked lights it is.
+    // Which of the baked lights it is, or NOT_BAKED.
     light: u32,
-    pad_0: u32,
-    pad_1: u32,
+    // Whether its shadows are in a map.
+    is_mapped: u32,
+    // Whether it is a point of a surface, which sends light by the cosine to its axis.
+    is_lambertian: u32,
 }
+
+const NOT_BAKED: u32 = 0xffffffffu;
 
 struct Lamplight {
     towards: vec3<f32>,
@@ -42,7 +46,9 @@ fn lamplight(lamp: Lamp, point: vec3<f32>) -> Lamplight {
     let ratio = distance / lamp.range_m;
     let window = clamp(1.0 - ratio * ratio * ratio * ratio, 0.0, 1.0);
     var share = window / (max(distance, lamp.near_m) * max(distance, lamp.near_m));
-    if lamp.cos_outer > -2.0 {
+    if lamp.is_lambertian != 0u {
+        share *= max(dot(lamp.axis.xyz, -towards), 0.0);
+    } else if lamp.cos_outer > -2.0 {
         let cone = clamp((dot(lamp.axis.xyz, -towards) - lamp.cos_outer) * lamp.per_cosine, 0.0, 1.0);
         share *= cone * cone;
     }

@@ -15,16 +15,6 @@ fn luminance(color: vec3<f32>) -> f32 {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 
-fn list_of(pixel: vec2<u32>, depth: f32) -> u32 {
-    let tile = pixel / frame.tile;
-    let index = tile.y * frame.tiles_x + tile.x;
-    if frame.layers == 0u {
-        return index * frame.list_words;
-    }
-    let layer = log2(max(depth / frame.first_layer_m, 1.0)) / log2(frame.layer_ratio) + select(0.0, 1.0, depth > frame.first_layer_m);
-    return (index * frame.layers + min(u32(layer), frame.layers - 1u)) * frame.list_words;
-}
-
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= frame.size) {
@@ -46,11 +36,17 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             let lamp = lamps[32u * word + countTrailingZeros(bits)];
             bits &= bits - 1u;
             count += 1u;
+            if lamp.is_mapped != 0u {
+                continue;
+            }
             let from_lamp = lamplight(lamp, s.position);
             if all(from_lamp.irradiance <= vec3(0.0)) || !can_be_lit(s, from_lamp.towards) {
                 continue;
             }
-            let seen = looked_up(lights[lamp.light], s);
+            var seen = 1.0;
+            if lamp.light != NOT_BAKED {
+                seen = looked_up(lights[lamp.light], s);
+            }
             if seen > 0.0 {
                 light += reflected(s, from_lamp.towards, from_lamp.irradiance, seen);
             }

@@ -5,11 +5,12 @@ use antumbra_scene::Light;
 use glam::DVec3;
 
 use crate::{
-    RenderError,
+    LampMaps, RenderError,
     camera::View,
     passes::{
         World,
         csm::{Cascades, Casters, MapFilter, reference::Maps},
+        lamp_maps,
     },
     surface::Surface,
 };
@@ -76,9 +77,10 @@ impl<'a> ShadowSource<'a> {
         }
     }
 
-    /// The lights of a scene whose shadows are known.
-    pub(crate) fn known(self, lights: &[Light]) -> Result<Vec<Light>, RenderError> {
-        let known: Vec<Light> = lights.iter().filter(|light| self.knows(light)).cloned().collect();
+    /// The lights of a scene whose shadows are known: of lamps with maps, all.
+    pub(crate) fn known(self, lights: &[Light], has_lamp_maps: bool) -> Result<Vec<Light>, RenderError> {
+        let is_mapped = |light: &Light| has_lamp_maps && light.kind != antumbra_scene::LightKind::Directional;
+        let known: Vec<Light> = lights.iter().filter(|light| self.knows(light) || is_mapped(light)).cloned().collect();
         let Some(file) = self.file() else { return Ok(known) };
         let is_sun = |light: &&Light| light.kind == antumbra_scene::LightKind::Directional;
         let first = lights.iter().find(is_sun).or(lights.first());
@@ -164,14 +166,22 @@ pub(crate) struct Shadows<'w> {
     lamps: Vec<Option<LightShadow<'w>>>,
     /// By sun: maps of everything, or over a bake of what moves.
     maps: Vec<Maps<'w>>,
+    lamp_maps: Option<lamp_maps::reference::Maps<'w>>,
 }
 
 /// Points of a ray through fog at which rays and maps are asked.
 const FOG_STEPS: u32 = 64;
 
 impl<'w> Shadows<'w> {
-    pub(crate) fn new(world: &'w World<'_>, source: ShadowSource<'w>, view: &View) -> Self {
-        let mut shadows = Self { world, source, suns: Vec::new(), lamps: Vec::new(), maps: maps(world, source, view) };
+    pub(crate) fn new(
+        world: &'w World<'_>,
+        source: ShadowSource<'w>,
+        lamp_maps: Option<&LampMaps>,
+        view: &View,
+    ) -> Self {
+        let lamp_maps = lamp_maps.map(|how| lamp_maps::reference::Maps::new(how, world.tracer, world.surfaces));
+        let maps = maps(world, source, view);
+        let mut shadows = Self { world, source, suns: Vec::new(), lamps: Vec::new(), maps, lamp_maps };
         if let Some(file) = source.file() {
             let suns = world.lighting.suns.iter();
             shadows.suns = suns.map(|sun| baked_light(file, sun.name.as_deref(), false)).collect();
@@ -220,10 +230,20 @@ impl<'w> Shadows<'w> {
 
     /// How much of a lamp reaches a point.
     pub(crate) fn of_lamp(&self, index: usize, place: &Place) -> f32 {
-        self.of(&self.lamps, index, place, || {
-            let lamp = &self.world.lighting.lamps.all()[index];
-            (lamp.position_world - place.position, lamp.casters_end(place.position))
-        })
+        let lamp = &self.world.lighting.lamps.all()[index];
+        let Some(maps) = &self.lamp_maps else {
+            let way = || (lamp.position_world - place.position, lamp.casters_end(place.position));
+            return self.of(&self.lamps, index, place, way);
+        };
+        let visible = |is_of_movers| maps.visibility(lamp, place.position, place.normal, is_of_movers);
+        match self.lamps.get(index) {
+            Some(Some(_)) => {
+                // The way is for rays alone.
+                let baked = self.of(&self.lamps, index, place, || (DVec3::ZERO, 0.0));
+                if baked > 0.0 && self.world.surfaces.any_moves() { baked * visible(true) } else { baked }
+            }
+            _ => visible(false),
+        }
     }
 
     /// `way` is the direction from the point to the light, and the parameter along it up to which casters count.

@@ -1,0 +1,512 @@
+//! Lamps' shadow maps on the graphics card: batch after batch they are culled, drawn and looked up.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use antumbra::Kernel as FilterKernel;
+use antumbra_scene::Bounds;
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, IVec3};
+
+use super::culling::{Clusters, Culler, GpuCluster, same_room};
+use super::passes::{MapRaster, Way, mapped_kernel};
+use super::scene::SceneBuffers;
+use super::targets::{DEPTH_FORMAT, Targets};
+use super::timing::Recorder;
+use super::{Gpu, Kernel};
+use crate::RenderError;
+use crate::camera::View;
+use crate::culling::Hull;
+use crate::light::Lamp;
+use crate::passes::lamp_maps::{Clustering, Culling, LampMaps, MapProjection};
+
+/// The struct `MappedLamp` of `map.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct MappedLamp {
+    pub lamp: u32,
+    pub first_tile: u32,
+    pub size: f32,
+    pub near_m: f32,
+}
+
+/// The struct `MapLayout` of `map.wgsl`.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct MapLayout {
+    pub first: u32,
+    pub count: u32,
+    pub tiles: u32,
+    pub tile_size: u32,
+    pub border: f32,
+    pub radius: u32,
+    pub kernel: u32,
+    pub pad: u32,
+}
+
+/// The struct `MapSide` of `target.wgsl`, and room up to where the next may begin.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct MapSide {
+    pub light: [f32; 3],
+    pub near_m: f32,
+    pub origin: [f32; 2],
+    pub size: f32,
+    pub scale: f32,
+    pub side: u32,
+    pub begin: u32,
+    pub end: u32,
+    pub pad: u32,
+    room: [u32; 52],
+}
+
+/// Bytes of the struct `MapSide`.
+pub(crate) const MAP_SIDE_BYTES: u64 = 48;
+
+/// A lamp to draw a map of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chosen<'a> {
+    pub index: u32,
+    pub lamp: &'a Lamp,
+    /// Whether a bake holds what stands still.
+    pub is_of_movers: bool,
+    /// It lights nothing farther away.
+    pub reach_m: f64,
+}
+
+/// What lamps' maps need on the card.
+#[derive(Debug)]
+pub(crate) struct Mapper {
+    how: LampMaps,
+    culler: Culler,
+    raster: MapRaster,
+    lights: Vec<(Way, Kernel)>,
+    sheets: Option<Sheets>,
+    /// Of the last sample: indirect draws, and lamps of each cluster.
+    drawn: Option<(wgpu::Buffer, Vec<u32>)>,
+}
+
+/// Maps in tiles of the layers of a texture.
+#[derive(Debug)]
+struct Sheets {
+    /// Texels per side of a tile, tiles per row of a layer, tiles in all.
+    of: (u32, u32, u32),
+    layers: Vec<wgpu::TextureView>,
+    all: wgpu::TextureView,
+}
+
+/// Lamps whose maps are there at once, in order: a range of them for each cluster.
+#[derive(Debug, Default)]
+struct Batch {
+    clusters: Vec<Range<usize>>,
+}
+
+/// What a sample is drawn with.
+pub(crate) struct Stage<'a> {
+    pub gpu: &'a Gpu,
+    pub view: &'a View,
+    pub scene: &'a SceneBuffers,
+    pub frame: &'a wgpu::Buffer,
+    pub targets: &'a Targets,
+    /// How the bake is looked up, and its text and bindings.
+    pub way: Way,
+    pub baked: &'a super::baked::Baked,
+    pub lamps: &'a wgpu::Buffer,
+    pub lists: &'a wgpu::Buffer,
+}
+
+impl Sheets {
+    fn new(gpu: &Gpu, size: u32, tiles: u32) -> Self {
+        let most = gpu.device.limits().max_texture_dimension_2d / size;
+        let per_row = (1..4).find(|n| n * n >= tiles).unwrap_or(4).min(most).max(1);
+        let layers = tiles.div_ceil(per_row * per_row);
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("lamp maps"),
+            size: wgpu::Extent3d { width: per_row * size, height: per_row * size, depth_or_array_layers: layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: DEPTH_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let view = |base_array_layer, array_layer_count, dimension| {
+            let dimension = Some(dimension);
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension,
+                base_array_layer,
+                array_layer_count,
+                ..Default::default()
+            })
+        };
+        Self {
+            of: (size, per_row, tiles),
+            layers: (0..layers).map(|i| view(i, Some(1), wgpu::TextureViewDimension::D2)).collect(),
+            all: view(0, None, wgpu::TextureViewDimension::D2Array),
+        }
+    }
+
+    fn tiles_per_layer(&self) -> u32 {
+        self.of.1 * self.of.1
+    }
+
+    /// Layer, and upper left texel, of a tile.
+    fn place(&self, tile: u32) -> (u32, [u32; 2]) {
+        let (size, per_row, _) = self.of;
+        let in_layer = tile % self.tiles_per_layer();
+        (tile / self.tiles_per_layer(), [in_layer % per_row * size, in_layer / per_row * size])
+    }
+}
+
+impl Mapper {
+    pub fn new(gpu: &Gpu, how: &LampMaps, scene: &SceneBuffers, bounds: &Bounds) -> Result<Self, RenderError> {
+        how.check()?;
+        Ok(Self {
+            culler: Culler::new(gpu, how, scene, bounds)?,
+            raster: MapRaster::new(gpu, how.projection),
+            how: how.clone(),
+            lights: Vec::new(),
+            sheets: None,
+            drawn: None,
+        })
+    }
+
+    /// Whether it can draw maps in another way without being made anew; then it does from now on.
+    pub fn turn_to(&mut self, how: &LampMaps) -> bool {
+        let suits = same_room(&self.how, how) && how.batch == self.how.batch && how.check().is_ok();
+        if suits {
+            self.how = how.clone();
+        }
+        suits
+    }
+
+    /// Notes that something has moved.
+    pub fn moved(&mut self) {
+        self.culler.moved();
+    }
+
+    /// Gets ready for a frame.
+    pub fn begin(&mut self, stage: &Stage<'_>, lamps: usize) -> Result<(), RenderError> {
+        let Self { how, culler, .. } = self;
+        culler.see_from(stage.gpu, how, stage.scene, stage.frame, stage.view.eye)?;
+        if !self.lights.iter().any(|(known, _)| *known == stage.way) {
+            let kernel = mapped_kernel(stage.gpu, stage.way, how.projection, &stage.baked.lookups, &stage.baked.slots);
+            self.lights.push((stage.way, kernel));
+        }
+        // As many as a batch takes, but no more than a few times as many as there are.
+        let at_once = how.lamps_at_once().min((lamps as u32).next_power_of_two());
+        let tiles = at_once * how.projection.sides();
+        if self.sheets.as_ref().is_none_or(|sheets| (sheets.of.0, sheets.of.2) != (how.size, tiles)) {
+            self.sheets = None;
+            self.sheets = Some(Sheets::new(stage.gpu, how.size, tiles));
+        }
+        Ok(())
+    }
+
+    /// Records a sample: maps, and the light of their lamps.
+    pub fn draw(&mut self, recorder: &mut Recorder<'_>, stage: &Stage<'_>, chosen: &[Chosen<'_>]) {
+        let Stage { gpu, scene, frame, targets, view, .. } = *stage;
+        self.culler.bin(gpu, recorder, self.how.always_bin, scene, frame);
+        self.culler.see(gpu, recorder, targets, frame);
+        let (Some(sheets), Some(items)) = (&self.sheets, self.culler.items()) else { return };
+        let Self { how, culler, .. } = &*self;
+        let sides = how.projection.sides();
+        let at_once = (sheets.of.2 / sides) as usize;
+        let (order, batches) = self.batches(chosen, at_once);
+        let ranges: Vec<Range<usize>> = batches.iter().flat_map(|batch| batch.clusters.clone()).collect();
+        // Everything that is the same for all batches.
+        let deepest = |corner: DVec3| (corner - view.eye).dot(view.forward);
+        let (mut planes, mut clusters) = (Vec::new(), Vec::new());
+        for range in &ranges {
+            clusters.push(self.cluster(&order[range.clone()], view, deepest, &mut planes));
+        }
+        let mapped: Vec<MappedLamp> = order
+            .iter()
+            .enumerate()
+            .map(|(i, own)| MappedLamp {
+                lamp: own.index,
+                first_tile: (i % at_once) as u32 * sides,
+                size: how.size as f32,
+                near_m: own.lamp.near_m as f32,
+            })
+            .collect();
+        let mut sides_drawn: Vec<MapSide> = Vec::with_capacity(order.len() * sides as usize);
+        let (mut chunks, mut first) = (Vec::new(), 0);
+        for batch in &batches {
+            for clusters in batch.clusters.chunks(items.chunk as usize) {
+                for (place, range) in (0..).zip(clusters) {
+                    for lamp in range.clone() {
+                        let tile = mapped[lamp].first_tile;
+                        let of_lamp = |side| {
+                            map_side(how, sheets, order[lamp].lamp, view, tile + side, side, place, items.list_len)
+                        };
+                        sides_drawn.extend((0..sides).map(of_lamp));
+                    }
+                }
+                let lamps = clusters[0].start..clusters[clusters.len() - 1].end;
+                chunks.push((culler.chunk(how, first, clusters.len() as u32), lamps, clusters.to_vec()));
+                first += clusters.len() as u32;
+            }
+        }
+        let draws = indirect_draws(gpu, ranges.len() as u32 * sides);
+        let [of_clusters, of_planes] = [gpu.buffer("clusters", &clusters), gpu.buffer("planes", &planes)];
+        let of_sides = gpu.buffer("sides of maps", &sides_drawn);
+        let of_mapped = gpu.buffer("mapped lamps", &mapped);
+        let geometry = gpu.group(&self.raster.layouts[0], &scene.resources(frame));
+        let own = [&culler.uniform, &culler.triangles, &items.refs, &items.pieces, &items.lists];
+        let own = gpu.group(&self.raster.layouts[1], &own.map(|b| b.as_entire_binding()));
+        let side = wgpu::BufferBinding { buffer: &of_sides, offset: 0, size: core::num::NonZero::new(MAP_SIDE_BYTES) };
+        let side = gpu.group(&self.raster.layouts[2], &[wgpu::BindingResource::Buffer(side)]);
+        let for_draws = Clusters { clusters: &of_clusters, planes: &of_planes, draws: &draws };
+        for (i, (chunk, lamps, clusters)) in chunks.iter().enumerate() {
+            culler.cull(gpu, recorder, how, &for_draws, chunk);
+            let begins_batch = lamps.start % at_once == 0;
+            let drawn = DrawnChunk { lamps: lamps.clone(), clusters, first_cluster: chunk.first, begins_batch };
+            self.draw_chunk(recorder, sheets, &drawn, [&geometry, &own, &side], &draws);
+            let ends_batch = chunks.get(i + 1).is_none_or(|(_, next, _)| next.start % at_once == 0);
+            if ends_batch {
+                let first = (lamps.end - 1) / at_once * at_once;
+                self.light(recorder, stage, sheets, first..lamps.end, &of_mapped);
+            }
+        }
+        let lamps_of = ranges.iter().map(|range| range.len() as u32).collect();
+        self.drawn = Some((draws, lamps_of));
+    }
+
+    /// Lamps in the order of their clusters, and batches of them.
+    fn batches<'c>(&self, chosen: &[Chosen<'c>], at_once: usize) -> (Vec<Chosen<'c>>, Vec<Batch>) {
+        let cell = |own: &Chosen<'_>| {
+            let cells = match (self.how.clustering, self.how.culling) {
+                // Frusta are those of one lamp.
+                (Clustering::None, _) | (_, Culling::Frusta) => return (false, IVec3::ZERO, own.index),
+                (Clustering::Cells(cells), _) => cells,
+            };
+            let at = self.culler.grid.at(own.lamp.position_world).floor();
+            let at = at.clamp(glam::Vec3::splat(-1e6), glam::Vec3::splat(1e6)).as_ivec3();
+            (own.is_of_movers, at.div_euclid(IVec3::splat(cells as i32)), 0)
+        };
+        let mut clustered: BTreeMap<(bool, [i32; 3], u32), Vec<Chosen<'c>>> = BTreeMap::new();
+        for own in chosen {
+            let (is_of_movers, at, index) = cell(own);
+            clustered.entry((is_of_movers, at.to_array(), index)).or_default().push(*own);
+        }
+        let (mut order, mut batches) = (Vec::with_capacity(chosen.len()), Vec::<Batch>::new());
+        for lamps in clustered.into_values() {
+            for own in lamps.iter().enumerate() {
+                let at = order.len();
+                if at % at_once == 0 {
+                    batches.push(Batch::default());
+                }
+                let Some(batch) = batches.last_mut() else { continue };
+                match batch.clusters.last_mut() {
+                    Some(range) if own.0 > 0 => range.end += 1,
+                    _ => batch.clusters.push(at..at + 1),
+                }
+                order.push(*own.1);
+            }
+        }
+        (order, batches)
+    }
+
+    /// What lamps have in common.
+    fn cluster(
+        &self,
+        lamps: &[Chosen<'_>],
+        view: &View,
+        deepest: impl Fn(DVec3) -> f64,
+        planes: &mut Vec<[f32; 4]>,
+    ) -> GpuCluster {
+        let Self { how, culler, .. } = self;
+        let at = |own: &Chosen<'_>| culler.grid.at(own.lamp.position_world);
+        let (low, high) = lamps
+            .iter()
+            .map(at)
+            .fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+        let first_plane = planes.len() as u32;
+        if let (Culling::Frusta, Some(own)) = (how.culling, lamps.first()) {
+            // As deep as the grid.
+            let last = IVec3::splat(culler.grid.side() as i32 - 1);
+            let [near, far] = [culler.grid.bounds(IVec3::ZERO), culler.grid.bounds(last)];
+            let bounds = Bounds { min: near.min, max: far.max };
+            let depth = bounds.corners().into_iter().map(deepest).fold(1e-3, f64::max);
+            let corner = |x: f64, y: f64| (view.forward + view.half_right * x + view.half_up * y) * depth;
+            let corners = [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
+            let hull = Hull::of_view(corners, DVec3::ZERO, own.lamp.position_world - view.eye);
+            planes.extend(hull.planes().map(|(normal, at)| normal.as_vec3().extend(at as f32).to_array()));
+        }
+        GpuCluster {
+            low: low.to_array(),
+            reach: how.shape().footprint().per_m as f32,
+            high: high.to_array(),
+            is_of_movers: lamps.iter().all(|own| own.is_of_movers).into(),
+            first_plane,
+            planes: planes.len() as u32 - first_plane,
+            range_m: lamps.iter().map(|own| own.reach_m).fold(0.0, f64::max).min(1e18) as f32 * 1.001,
+            pad: 0,
+        }
+    }
+
+    /// Records the drawing of a chunk's maps, layer by layer.
+    fn draw_chunk(
+        &self,
+        recorder: &mut Recorder<'_>,
+        sheets: &Sheets,
+        chunk: &DrawnChunk<'_>,
+        [geometry, own, side]: [&wgpu::BindGroup; 3],
+        draws: &wgpu::Buffer,
+    ) {
+        let sides = self.how.projection.sides();
+        let at_once = (sheets.of.2 / sides) as usize;
+        let begin = (chunk.lamps.start % at_once) as u32 * sides;
+        let end = begin + chunk.lamps.len() as u32 * sides;
+        let cluster_of = |lamp: usize| (0..).zip(chunk.clusters).find(|(_, r)| r.contains(&lamp)).map_or(0, |(i, _)| i);
+        for layer in begin / sheets.tiles_per_layer()..=(end - 1) / sheets.tiles_per_layer() {
+            let first = (layer * sheets.tiles_per_layer()).max(begin);
+            let last = ((layer + 1) * sheets.tiles_per_layer()).min(end);
+            // A layer begins empty unless an earlier chunk of the batch has drawn into it.
+            let is_new = chunk.begins_batch || first == layer * sheets.tiles_per_layer();
+            let load = if is_new { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+            recorder.draw("lamp maps", None, (&sheets.layers[layer as usize], load), |pass| {
+                pass.set_bind_group(0, geometry, &[]);
+                pass.set_bind_group(1, own, &[]);
+                for (pipeline, is_cut_out) in [(&self.raster.opaque, 0), (&self.raster.cut_out, 1)] {
+                    pass.set_pipeline(pipeline);
+                    for tile in first..last {
+                        let lamp = chunk.lamps.start + ((tile - begin) / sides) as usize;
+                        let of_side = tile % sides;
+                        let (_, [x, y]) = sheets.place(tile);
+                        let size = self.how.size;
+                        pass.set_viewport(x as f32, y as f32, size as f32, size as f32, 0.0, 1.0);
+                        pass.set_scissor_rect(x, y, size, size);
+                        let row = lamp as u32 * sides + of_side;
+                        pass.set_bind_group(2, side, &[row * size_of::<MapSide>() as u32]);
+                        let cluster = chunk.first_cluster + cluster_of(lamp);
+                        let draw = 2 * (cluster * sides + of_side) + is_cut_out;
+                        pass.draw_indirect(draws, 16 * u64::from(draw));
+                    }
+                }
+            });
+        }
+    }
+
+    /// Records the light of a batch's lamps.
+    fn light(
+        &self,
+        recorder: &mut Recorder<'_>,
+        stage: &Stage<'_>,
+        sheets: &Sheets,
+        lamps: Range<usize>,
+        mapped: &wgpu::Buffer,
+    ) {
+        let Stage { gpu, frame, targets, baked, .. } = *stage;
+        let Some((_, kernel)) = self.lights.iter().find(|(known, _)| *known == stage.way) else { return };
+        let layout = MapLayout {
+            first: lamps.start as u32,
+            count: lamps.len() as u32,
+            tiles: sheets.of.1,
+            tile_size: sheets.of.0,
+            border: self.how.shape().border() as f32,
+            radius: self.how.filter.radius(),
+            kernel: u32::from(self.how.filter.kernel() == FilterKernel::Tent),
+            pad: 0,
+        };
+        let layout = gpu.buffer("layout of maps", &[layout]);
+        let own = [frame, &targets.gbuffer, stage.lamps, stage.lists, &targets.hdr, &targets.veils, mapped, &layout];
+        let groups = [
+            gpu.group(&kernel.layouts[0], &own.map(|b| b.as_entire_binding())),
+            gpu.group(&kernel.layouts[1], &baked.resources()),
+            gpu.group(&kernel.layouts[2], &[wgpu::BindingResource::TextureView(&sheets.all)]),
+        ];
+        let [width, height] = targets.size;
+        let groups: Vec<_> = groups.iter().collect();
+        recorder.compute("mapped lamps", kernel, &groups, [width.div_ceil(8), height.div_ceil(8), 1]);
+    }
+
+    /// Triangles drawn into all maps of the last sample.
+    pub fn triangles(&self, gpu: &Gpu) -> Result<u64, RenderError> {
+        let Some((draws, lamps)) = &self.drawn else { return Ok(0) };
+        let sides = self.how.projection.sides() as usize;
+        let words: Vec<u32> = gpu.read(draws)?;
+        let vertices = vertices(self.how.projection);
+        let of_cluster = |(i, lamps): (usize, &u32)| {
+            let own = words.chunks(4).skip(2 * i * sides).take(2 * sides);
+            u64::from(*lamps) * own.map(|draw| u64::from(draw[0] / vertices)).sum::<u64>()
+        };
+        Ok(lamps.iter().enumerate().map(of_cluster).sum())
+    }
+
+    #[cfg(test)]
+    pub fn culler(&self) -> &Culler {
+        &self.culler
+    }
+}
+
+/// Some clusters' maps.
+struct DrawnChunk<'a> {
+    lamps: Range<usize>,
+    /// Which of the lamps belong to each.
+    clusters: &'a [Range<usize>],
+    first_cluster: u32,
+    begins_batch: bool,
+}
+
+/// Vertices that a triangle is drawn with.
+pub(crate) fn vertices(projection: MapProjection) -> u32 {
+    match projection {
+        MapProjection::Cube => 3,
+        MapProjection::Paraboloid => 6,
+    }
+}
+
+/// Two draws for each side of nothing yet.
+fn indirect_draws(gpu: &Gpu, sides: u32) -> wgpu::Buffer {
+    let none: Vec<[u32; 4]> = vec![[0, 1, 0, 0]; 2 * sides as usize];
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
+    let contents = bytemuck::cast_slice(&none);
+    let descriptor = wgpu::util::BufferInitDescriptor { label: Some("draws"), contents, usage };
+    wgpu::util::DeviceExt::create_buffer_init(&gpu.device, &descriptor)
+}
+
+fn map_side(
+    how: &LampMaps,
+    sheets: &Sheets,
+    lamp: &Lamp,
+    view: &View,
+    tile: u32,
+    side: u32,
+    place: u32,
+    list_len: u32,
+) -> MapSide {
+    let begin = (place * how.projection.sides() + side) * list_len;
+    MapSide {
+        light: (lamp.position_world - view.eye).as_vec3().to_array(),
+        near_m: lamp.near_m as f32,
+        origin: sheets.place(tile).1.map(|at| at as f32),
+        size: how.size as f32,
+        scale: how.shape().scale() as f32,
+        side,
+        begin,
+        end: begin + list_len,
+        pad: 0,
+        room: [0; 52],
+    }
+}
+
+/// The lamps that maps are drawn of: those that no bake holds and, where something moves in their light, those that one does.
+pub(crate) fn chosen<'a>(
+    lamps: &'a [Lamp],
+    is_baked: impl Fn(usize) -> bool,
+    least: f32,
+    scene: &SceneBuffers,
+) -> Vec<Chosen<'a>> {
+    let is_met = |lamp: &Lamp, reach_m: f64| {
+        let movers = scene.parts.iter().filter(|part| part.is_dynamic && part.vertices > 0);
+        movers.clone().any(|part| (part.center - lamp.position_world).length() <= part.radius_m + reach_m)
+    };
+    let chosen = |(i, lamp): (usize, &'a Lamp)| {
+        let (is_of_movers, reach_m) = (is_baked(i), lamp.reach_m(least));
+        let is_needed = !is_of_movers || is_met(lamp, reach_m);
+        is_needed.then_some(Chosen { index: i as u32, lamp, is_of_movers, reach_m })
+    };
+    lamps.iter().enumerate().filter_map(chosen).collect()
+}

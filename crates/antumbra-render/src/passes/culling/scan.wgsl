@@ -1,0 +1,74 @@
+// Where each cell's triangles begin: sums of the counts before it. Three steps: sums of blocks of 1024 cells, sums of the blocks
+// before each, and those within blocks.
+
+@group(0) @binding(0) var<storage, read> grid: CullGrid;
+@group(0) @binding(1) var<storage, read> counts: array<u32>;
+@group(0) @binding(2) var<storage, read_write> blocks: array<u32>;
+// One more than there are cells: the last says how many triangles all have.
+@group(0) @binding(3) var<storage, read_write> begins: array<u32>;
+
+const BLOCK: u32 = 1024u;
+
+var<workgroup> sums: array<u32, 256>;
+
+fn count_of(cell: u32) -> u32 {
+    if cell < grid.side * grid.side * grid.side {
+        return counts[cell];
+    }
+    return 0u;
+}
+
+// The sum of the values before this lane's (Hillis and Steele 1986); `sums[255]` is that of all.
+fn before(lane: u32, own: u32) -> u32 {
+    sums[lane] = own;
+    workgroupBarrier();
+    for (var step = 1u; step < 256u; step *= 2u) {
+        var other = 0u;
+        if lane >= step {
+            other = sums[lane - step];
+        }
+        workgroupBarrier();
+        sums[lane] += other;
+        workgroupBarrier();
+    }
+    return sums[lane] - own;
+}
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
+    if STEP == 1u {
+        // One workgroup for all blocks.
+        let all = (grid.side * grid.side * grid.side + BLOCK) / BLOCK;
+        var carried = 0u;
+        for (var first = 0u; first < all; first += 256u) {
+            let at = first + lane;
+            var own = 0u;
+            if at < all {
+                own = blocks[at];
+            }
+            let sum = carried + before(lane, own);
+            if at < all {
+                blocks[at] = sum;
+            }
+            carried += sums[255];
+            workgroupBarrier();
+        }
+        return;
+    }
+    let cell = group.x * BLOCK + 4u * lane;
+    let own = vec4(count_of(cell), count_of(cell + 1u), count_of(cell + 2u), count_of(cell + 3u));
+    let sum = before(lane, own.x + own.y + own.z + own.w);
+    if STEP == 0u {
+        if lane == 0u {
+            blocks[group.x] = sums[255];
+        }
+        return;
+    }
+    var at = blocks[group.x] + sum;
+    for (var i = 0u; i < 4u; i++) {
+        if cell + i <= grid.side * grid.side * grid.side {
+            begins[cell + i] = at;
+        }
+        at += own[i];
+    }
+}

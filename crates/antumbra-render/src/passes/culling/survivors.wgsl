@@ -1,0 +1,61 @@
+// Sets the bits of the items in marked cells, for each side of a cluster's maps that the cell may appear in.
+
+@group(0) @binding(0) var<storage, read> grid: CullGrid;
+@group(0) @binding(1) var<storage, read> chunk: Chunk;
+@group(0) @binding(2) var<storage, read> clusters: array<Cluster>;
+@group(0) @binding(3) var<storage, read> occupied: array<u32>;
+@group(0) @binding(4) var<storage, read> begins: array<u32>;
+@group(0) @binding(5) var<storage, read> refs: array<u32>;
+@group(0) @binding(6) var<storage, read> marks: array<u32>;
+// By cluster, side and item.
+@group(0) @binding(7) var<storage, read_write> survivors: array<atomic<u32>>;
+
+fn sides_to_draw(cluster: u32, number: u32) -> u32 {
+    let all = (1u << chunk.sides) - 1u;
+    if chunk.culling == NO_CULLING {
+        return all;
+    }
+    let words = (grid.side * grid.side * grid.side + 31u) / 32u;
+    var sides = 0u;
+    for (var side = 0u; side < chunk.marked_sides; side++) {
+        let word = marks[(cluster * chunk.marked_sides + side) * words + number / 32u];
+        sides |= (word >> (number & 31u) & 1u) << side;
+    }
+    if chunk.marked_sides == 1u {
+        sides = select(0u, all, sides != 0u);
+    }
+    if sides == 0u {
+        return 0u;
+    }
+    let cell = vec3<f32>(cell_of(grid, number));
+    let low = cell - grid.hair;
+    let high = cell + 1.0 + grid.hair;
+    return sides & sides_of(grid.cells_per_m, low, high, clusters[chunk.first + cluster], chunk.sides, chunk.border);
+}
+
+@compute @workgroup_size(32)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    for (var i = group.x; i < occupied[0]; i += groups.x) {
+        let cell = occupied[1u + i];
+        let sides = sides_to_draw(group.y, cell);
+        if sides == 0u {
+            continue;
+        }
+        let end = min(begins[cell + 1u], grid.most_refs);
+        for (var slot = begins[cell] + lane; slot < end; slot += 32u) {
+            let item = select(refs[slot], slot, grid.binning == CUT);
+            for (var left = sides; left != 0u; left &= left - 1u) {
+                let side = group.y * chunk.sides + countTrailingZeros(left);
+                let at = side * grid.item_words + item / 32u;
+                let bit = 1u << (item & 31u);
+                if (atomicLoad(&survivors[at]) & bit) == 0u {
+                    atomicOr(&survivors[at], bit);
+                }
+            }
+        }
+    }
+}

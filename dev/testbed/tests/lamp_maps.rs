@@ -1,0 +1,116 @@
+//! Lamps' shadow maps on the graphics card: whatever is culled, and however, no pixel changes.
+
+use std::sync::Arc;
+
+use antumbra_render::culling::Binning;
+use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
+use antumbra_render::light::LightTracing;
+use antumbra_render::{Clustering, Culling, LampMaps, MapProjection, Marking, Picture, RenderOptions, Renderer, Time};
+use antumbra_scene::{Camera, LightKind, Scene};
+use antumbra_testbed::{gpu, procedural};
+
+/// A scene by night, in the light of a few of its lamps and of virtual ones.
+struct Stage {
+    camera: Camera,
+    renderer: GpuRenderer,
+}
+
+/// What was drawn, and how many triangles into maps.
+struct Drawn {
+    picture: Picture,
+    triangles: u64,
+}
+
+impl Stage {
+    fn new(gpu: &Gpu, mut scene: Scene, lamps: usize, virtual_lights: u32) -> Self {
+        scene.lights.retain(|light| light.kind != LightKind::Directional);
+        let step = (scene.lights.len() / lamps).max(1);
+        scene.lights = scene.lights.into_iter().step_by(step).take(lamps).collect();
+        let scene = Arc::new(scene);
+        let how = LightTracing { lights: virtual_lights.max(1), ..LightTracing::default() };
+        let mut traced = Renderer::new(&scene).virtual_lights(&how, &[]);
+        traced.truncate(virtual_lights as usize);
+        let setting = Setting {
+            lights: scene.lights.clone(),
+            time: Some(Time::Night),
+            has_lamp_maps: true,
+            virtual_lights: &traced,
+            ..Setting::default()
+        };
+        let renderer = GpuRenderer::new(gpu, Arc::clone(&scene), setting).expect("a renderer");
+        Self { camera: scene.cameras[0].clone(), renderer }
+    }
+
+    fn draw(&mut self, maps: LampMaps) -> Drawn {
+        let options = RenderOptions { lamp_maps: Some(maps), exposure: Some(400.0), ..options() };
+        let picture = self.renderer.render(&self.camera, &options, Lookup::None).expect("a picture");
+        Drawn { picture, triangles: self.renderer.map_triangles().expect("a count") }
+    }
+
+    /// Draws with and without culling: the same pictures. Says how many triangles were drawn of all.
+    fn compare(&mut self, what: &str, all: &Drawn, maps: LampMaps) -> f64 {
+        let culled = self.draw(maps);
+        let off = all.picture.hdr().iter().zip(culled.picture.hdr()).filter(|(a, b)| a != b).count();
+        println!("{what}: {} of {} triangles", culled.triangles, all.triangles);
+        assert_eq!(off, 0, "{what}: pixels differ");
+        culled.triangles as f64 / all.triangles as f64
+    }
+}
+
+fn options() -> RenderOptions {
+    let (width, height) = (160, 90);
+    RenderOptions { width, height, samples: 1, ao_samples: 0, time: Some(Time::Night), ..RenderOptions::default() }
+}
+
+const PROJECTIONS: [MapProjection; 2] = [MapProjection::Cube, MapProjection::Paraboloid];
+
+#[test]
+fn no_way_of_culling_changes_a_pixel() {
+    let mut stage = Stage::new(&gpu(), procedural("village", 0.15), 6, 6);
+    for projection in PROJECTIONS {
+        for binning in [Binning::Whole, Binning::Clip, Binning::NoCull { most_cells: 2 }] {
+            let base = LampMaps { projection, binning, size: 256, ..LampMaps::default() };
+            let all = stage.draw(LampMaps { culling: Culling::None, ..base.clone() });
+            let ways = [
+                Culling::Frusta,
+                Culling::Voxels(Marking::Sides),
+                Culling::Voxels(Marking::Boxes),
+                Culling::Voxels(Marking::Cells),
+            ];
+            for culling in ways {
+                let what = format!("{projection:?}, {binning:?}, {culling:?}");
+                let share = stage.compare(&what, &all, LampMaps { culling, ..base.clone() });
+                assert!(binning != Binning::Whole || culling == Culling::Frusta || share < 0.5, "{what}: {share} left");
+            }
+            // Steps do not know how wide lookups are.
+            stage.draw(LampMaps { culling: Culling::Voxels(Marking::Steps), ..base.clone() });
+        }
+        let base = LampMaps { projection, ..LampMaps::default() };
+        let all = stage.draw(LampMaps { culling: Culling::None, ..base.clone() });
+        for grid in [8, 17, 128] {
+            stage.compare(&format!("{grid} cells"), &all, LampMaps { grid, ..base.clone() });
+        }
+        for clustering in [Clustering::None, Clustering::Cells(4), Clustering::Cells(8)] {
+            stage.compare(&format!("{clustering:?}"), &all, LampMaps { clustering, ..base.clone() });
+        }
+        for (batch, budget_bytes) in [(1, 1 << 30), (5, 1 << 30), (64, 1 << 30), (16, 1)] {
+            stage.compare(&format!("batches of {batch}"), &all, LampMaps { batch, budget_bytes, ..base.clone() });
+        }
+        stage.compare("sorted anew", &all, LampMaps { always_bin: true, ..base.clone() });
+    }
+}
+
+#[test]
+fn culling_changes_no_pixel_of_any_scene() {
+    let gpu = gpu();
+    for name in ["door", "grille", "village", "room", "flag", "cellar"] {
+        let mut stage = Stage::new(&gpu, procedural(name, 0.15), 2, 4);
+        for (projection, size) in PROJECTIONS.into_iter().flat_map(|p| [256, 1024].map(|size| (p, size))) {
+            let base = LampMaps { projection, size, ..LampMaps::default() };
+            let all = stage.draw(LampMaps { culling: Culling::None, ..base.clone() });
+            let what = format!("{name}, {projection:?} of {size}");
+            let share = stage.compare(&what, &all, base);
+            assert!(share < 0.5, "{what}: {share} of all triangles are left");
+        }
+    }
+}
