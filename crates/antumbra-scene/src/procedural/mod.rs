@@ -10,6 +10,7 @@ mod foliage;
 mod hairball;
 mod landscape;
 mod noise;
+mod palace;
 mod palette;
 mod rng;
 mod ruins;
@@ -86,12 +87,36 @@ struct Recipe {
     build: fn(&Options) -> Scene,
 }
 
-static SCENES: [Recipe; 6] = [
+static SCENES: [Recipe; 11] = [
+    Recipe {
+        name: "cellar",
+        summary: "a palace's wine cellar in the light of a caged lantern next door: about 200,000 triangles",
+        takes_lamps: false,
+        build: palace::cellar,
+    },
     Recipe {
         name: "city",
         summary: "a downtown by a river: about a million triangles, all closed solids",
         takes_lamps: true,
         build: city::build,
+    },
+    Recipe {
+        name: "door",
+        summary: "a palace's gallery in the light from an open door; for light that bounces once",
+        takes_lamps: false,
+        build: palace::door,
+    },
+    Recipe {
+        name: "flag",
+        summary: "flags in a palace's gallery, in the light off its wall; for light that bounces once",
+        takes_lamps: false,
+        build: palace::flag,
+    },
+    Recipe {
+        name: "grille",
+        summary: "a grille in a palace's cellar, lit from behind by a wall; for light that bounces once",
+        takes_lamps: false,
+        build: palace::grille,
     },
     Recipe {
         name: "hairball",
@@ -104,6 +129,12 @@ static SCENES: [Recipe; 6] = [
         summary: "mountains, valleys and a lake: about two million triangles, one closed solid",
         takes_lamps: false,
         build: landscape::build,
+    },
+    Recipe {
+        name: "room",
+        summary: "a lumber room in a palace's cellar, in the light off a carpet; for light that bounces once",
+        takes_lamps: false,
+        build: palace::room,
     },
     Recipe {
         name: "ruins",

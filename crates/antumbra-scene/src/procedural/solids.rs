@@ -219,6 +219,18 @@ impl Builder {
         primitive.triangles.extend(triangles.iter().map(|t| t.map(|i| first + i)));
     }
 
+    /// As [`Builder::triangles`], shaded by averaged vertex normals. What is closed by other parts has to share the bits
+    /// of their positions.
+    pub(crate) fn smooth_triangles(&mut self, material: impl Into<usize>, points: &[DVec3], triangles: &[[u32; 3]]) {
+        let frame = self.frame;
+        let points: Vec<DVec3> = points.iter().map(|&p| frame.point(p)).collect();
+        let primitive = self.part(material.into(), Shading::Smooth);
+        let first = primitive.positions.len() as u32;
+        primitive.normals.extend(smooth_normals(&points, triangles));
+        primitive.positions.extend(points.iter().map(|&p| rounded(p)));
+        primitive.triangles.extend(triangles.iter().map(|t| t.map(|i| first + i)));
+    }
+
     fn placed(&self, rings: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
         rings.iter().map(|ring| ring.iter().map(|&p| self.frame.point(p)).collect()).collect()
     }
