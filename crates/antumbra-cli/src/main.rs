@@ -11,6 +11,7 @@ mod commands;
 mod compare;
 mod describe;
 mod inputs;
+mod lamp_maps;
 mod lights;
 mod machine;
 mod memory;

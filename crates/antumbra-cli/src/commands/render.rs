@@ -14,6 +14,7 @@ use clap::ValueEnum;
 use crate::area::AreaArgs;
 use crate::args::{self, FilterArgs, RunArgs};
 use crate::camera::CameraArgs;
+use crate::lamp_maps::LampMapArgs;
 use crate::output::{self, OutputFile};
 use crate::progress::Progress;
 use crate::{inputs, lights};
@@ -58,6 +59,8 @@ pub struct Args {
     fog: Option<f64>,
     #[command(flatten)]
     area: AreaArgs,
+    #[command(flatten)]
+    lamp_maps: LampMapArgs,
     /// In daylight [default: unless the scene has lamps and no directional light of 10 lux or more]
     #[arg(long, conflicts_with_all = ["night", "area_light"])]
     day: bool,
@@ -132,12 +135,15 @@ pub fn run(args: &Args) -> Result<()> {
     if args.device == Device::Gpu && area.as_ref().is_some_and(|area| area.technique == AreaTechnique::Traced) {
         bail!("the processor alone traces area lights: leave out --device gpu, or --area-shadows traced");
     }
+    let by_rays = !baked && args.device != Device::Gpu;
+    let lamp_maps = args.lamp_maps.maps(args.filter.filter(1)?, by_rays);
     let shadows = match (args.technique, &file) {
         (Some(Technique::Csm), _) => maps(args)?,
         (_, Some(file)) if baked => {
             warn_of_policies(&scene, file);
             looked_up(args, file)?
         }
+        _ if args.device == Device::Gpu && lamp_maps.is_some() => maps(args)?,
         _ if args.device == Device::Gpu && area.is_none() => bail!("{NO_RAYS}"),
         _ if args.device == Device::Gpu => {
             if !scene.lights.is_empty() && Time::suiting(&scene.lights) == Time::Night {
@@ -159,13 +165,14 @@ pub fn run(args: &Args) -> Result<()> {
         time: time(args),
         ao_samples,
         area,
+        lamp_maps,
         fog: args.fog.map(|density_per_m| Fog { density_per_m, anisotropy: 0.5 }),
         ..RenderOptions::default()
     };
     options.check()?;
     let picture = args.run.pool()?.install(|| match args.device {
-        Device::Gpu => draw_on_gpu(scene, &camera, &options, shadows, file.clone(), &progress),
-        Device::Auto | Device::Cpu => draw(&scene, &camera, &options, shadows, &progress),
+        Device::Gpu => draw_on_gpu(scene, &camera, options, (shadows, file.clone(), &args.lamp_maps), &progress),
+        Device::Auto | Device::Cpu => draw_on_cpu(&scene, &camera, options, (shadows, &args.lamp_maps), &progress),
     })?;
     progress.stage("writing");
     output.write(&picture.to_png()?)?;
@@ -245,6 +252,21 @@ fn time(args: &Args) -> Option<Time> {
     }
 }
 
+/// Draws on the processor.
+fn draw_on_cpu(
+    scene: &Scene,
+    camera: &Camera,
+    mut options: RenderOptions,
+    (shadows, lamp_maps): (ShadowSource<'_>, &LampMapArgs),
+    progress: &Progress,
+) -> Result<Picture> {
+    if lamp_maps.has_virtual_lights() {
+        progress.stage("tracing light");
+        options.virtual_lights = lamp_maps.virtual_lights(&Renderer::new(scene), options.area.as_ref());
+    }
+    draw(scene, camera, &options, shadows, progress)
+}
+
 /// Draws with progress shown.
 pub fn draw(
     scene: &Scene,
@@ -265,9 +287,8 @@ pub fn draw(
 fn draw_on_gpu(
     scene: Scene,
     camera: &Camera,
-    options: &RenderOptions,
-    shadows: ShadowSource<'_>,
-    bake: Option<Arc<ShadowFile>>,
+    mut options: RenderOptions,
+    (shadows, bake, lamp_maps): (ShadowSource<'_>, Option<Arc<ShadowFile>>, &LampMapArgs),
     progress: &Progress,
 ) -> Result<Picture> {
     progress.stage("opening the graphics card");
@@ -275,8 +296,11 @@ fn draw_on_gpu(
     progress.stage("preparing the scene");
     let scene = Arc::new(scene);
     // Rays say how bright lamps make a scene.
+    let rays = (is_night(&scene, &options) || lamp_maps.has_virtual_lights()).then(|| Renderer::new(&scene));
+    if let Some(rays) = &rays {
+        options.virtual_lights = lamp_maps.virtual_lights(rays, options.area.as_ref());
+    }
     let area = options.area.as_ref().map_or(&[][..], |area| &area.lights);
-    let rays = is_night(&scene, options).then(|| Renderer::new(&scene));
     let lookup = match shadows {
         ShadowSource::Dag { filter, .. } => Lookup::Filter(filter),
         ShadowSource::Prefiltered { how, .. } => Lookup::Prefiltered(how),
@@ -291,13 +315,14 @@ fn draw_on_gpu(
         time: options.time,
         area,
         bake,
+        has_lamp_maps: options.lamp_maps.is_some(),
+        virtual_lights: &options.virtual_lights,
         top_grid: true,
         rays: rays.as_ref(),
-        ..Setting::default()
     };
     let mut on_gpu = GpuRenderer::new(&gpu, Arc::clone(&scene), setting)?;
     progress.stage("drawing");
-    Ok(on_gpu.render(camera, options, lookup)?)
+    Ok(on_gpu.render(camera, &options, lookup)?)
 }
 
 fn is_night(scene: &Scene, options: &RenderOptions) -> bool {

@@ -172,31 +172,35 @@ fn soft_shadows_are_timed_and_held_against_the_truth() {
 }
 
 #[test]
-fn triangles_that_voxel_culling_leaves_are_counted() {
+fn voxel_culling_is_timed_beside_frusta_and_none() {
     let folder = folder();
-    run(folder.path(), "scene village --scale 0.3 -o {village.glb} --quiet").ok();
-    let bench = "bench culling {village.glb} --grid 16 --grid 32 --size 64x36 --map 256 --json --quiet";
+    run(folder.path(), "scene village --scale 0.1 -o {village.glb} --quiet").ok();
+    let bench = "bench culling {village.glb} --grid 16 --size 64x36 --map 64 --map 128 --lights 4 --frames 1 --ablations \
+                 --counts 2 --counts 4 --out {out} --json --quiet";
     let table = run(folder.path(), bench).json();
-    assert_eq!(table["rows"].as_array().map(Vec::len), Some(2 * 2 * 5));
-    for grid in [16, 32] {
-        for binning in ["cut", "whole"] {
-            let left = |way: &str| {
-                let wanted = [("grid", grid.into()), ("binning", binning.into()), ("way", way.into())];
-                row(&table, &wanted)["share"].as_f64().expect("a share")
+    for map in ["cube", "paraboloid"] {
+        for size in [64, 128] {
+            let of = |technique: &str| {
+                row(&table, &[("map", map.into()), ("size", size.into()), ("technique", technique.into())]).clone()
             };
-            let frusta = left("light and camera frusta");
-            let [steps, cells, boxes] = ["steps with a ring", "beams between cells", "beams between boxes"]
-                .map(|way| left(&format!("voxels, {way}")));
-            assert_eq!(left("none"), 1.0);
-            // Frusta know no width of a lookup, and may leave a little less.
+            let [none, frustum, voxel] = ["none", "frustum", "voxel"].map(of);
+            let triangles = |row: &Value| row["triangles"].as_u64().expect("a number");
             assert!(
-                boxes > 0.0 && boxes <= cells && boxes <= steps && boxes <= 1.02 * frusta,
-                "{boxes} {cells} {steps} {frusta}"
+                triangles(&voxel) < triangles(&frustum) && triangles(&frustum) < triangles(&none),
+                "{voxel} {frustum}"
             );
+            for row in [&none, &frustum, &voxel] {
+                assert_eq!(row["pixels_differing"], 0, "{row}");
+                assert!(["shadow_ms", "total_ms"].iter().all(|key| row[*key].as_f64() > Some(0.0)), "{row}");
+            }
         }
     }
-    let first = row(&table, &[("way", "voxels, beams between boxes".into())]);
-    assert!(first["cells"].as_u64() > Some(0) && first["seconds"].as_f64() > Some(0.0), "{first}");
+    let of = |what: &str| rows(&table).iter().filter(|row| row["what"] == what).count();
+    assert_eq!(["marking", "binning", "clusters", "grid", "lamps at once"].map(of), [4, 3, 4, 5, 3]);
+    assert_eq!(rows(&table).iter().filter(|row| row["fps"].as_f64() > Some(0.0)).count(), 2);
+    for name in ["culling-village-picture.png", "culling-village-lights.svg"] {
+        assert!(folder.path().join("out").join(name).exists(), "no {name}");
+    }
     run(folder.path(), "bench culling {city}").fails(&["no spot or point lights"]);
     run(folder.path(), "bench culling {village.glb} --grid 7").misused("8..=128");
 }

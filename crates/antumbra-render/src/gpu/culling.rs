@@ -122,8 +122,7 @@ pub(crate) struct Clusters<'a> {
 /// What decides how large buffers are: the rest of the options may change from frame to frame.
 pub(crate) fn same_room(a: &LampMaps, b: &LampMaps) -> bool {
     (a.grid, a.binning, a.projection) == (b.grid, b.binning, b.projection)
-        && marking(a) == marking(b)
-        && matches!(a.culling, Culling::Voxels(_)) == matches!(b.culling, Culling::Voxels(_))
+        && (marking(a), marked_sides(a)) == (marking(b), marked_sides(b))
 }
 
 fn marking(how: &LampMaps) -> u32 {

@@ -1,6 +1,5 @@
 //! Lamps' shadow maps on the graphics card: batch after batch they are culled, drawn and looked up.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use antumbra::Kernel as FilterKernel;
@@ -273,39 +272,32 @@ impl Mapper {
         self.drawn = Some((draws, lamps_of));
     }
 
-    /// Lamps in the order of their clusters, and batches of them.
+    /// Lamps in order, and batches of their clusters. They are in Morton's order of their cells, which keeps blocks together
+    /// however large they are: the order, and with it every rounding, depends on neither culling nor clustering.
     fn batches<'c>(&self, chosen: &[Chosen<'c>], at_once: usize) -> (Vec<Chosen<'c>>, Vec<Batch>) {
-        let cell = |own: &Chosen<'_>| {
-            let cells = match (self.how.clustering, self.how.culling) {
-                // Frusta are those of one lamp.
-                (Clustering::None, _) | (_, Culling::Frusta) => return (false, IVec3::ZERO, own.index),
-                (Clustering::Cells(cells), _) => cells,
-            };
-            let at = self.culler.grid.at(own.lamp.position_world).floor();
-            let at = at.clamp(glam::Vec3::splat(-1e6), glam::Vec3::splat(1e6)).as_ivec3();
-            (own.is_of_movers, at.div_euclid(IVec3::splat(cells as i32)), 0)
+        let block_bits = match (self.how.clustering, self.how.culling) {
+            // Frusta are those of one lamp.
+            (Clustering::None, _) | (_, Culling::Frusta) => None,
+            (Clustering::Cells(cells), _) => Some(3 * cells.ilog2()),
         };
-        let mut clustered: BTreeMap<(bool, [i32; 3], u32), Vec<Chosen<'c>>> = BTreeMap::new();
-        for own in chosen {
-            let (is_of_movers, at, index) = cell(own);
-            clustered.entry((is_of_movers, at.to_array(), index)).or_default().push(*own);
-        }
-        let (mut order, mut batches) = (Vec::with_capacity(chosen.len()), Vec::<Batch>::new());
-        for lamps in clustered.into_values() {
-            for own in lamps.iter().enumerate() {
-                let at = order.len();
-                if at % at_once == 0 {
-                    batches.push(Batch::default());
-                }
-                let Some(batch) = batches.last_mut() else { continue };
-                match batch.clusters.last_mut() {
-                    Some(range) if own.0 > 0 => range.end += 1,
-                    _ => batch.clusters.push(at..at + 1),
-                }
-                order.push(*own.1);
+        let key = |own: &Chosen<'_>| (own.is_of_movers, morton(self.culler.grid.at(own.lamp.position_world)));
+        let mut order: Vec<((bool, u64), Chosen<'c>)> = chosen.iter().map(|own| (key(own), *own)).collect();
+        order.sort_by_key(|(key, _)| *key);
+        let is_same =
+            |a: (bool, u64), b: (bool, u64)| block_bits.is_some_and(|bits| (a.0, a.1 >> bits) == (b.0, b.1 >> bits));
+        let mut batches: Vec<Batch> = Vec::new();
+        for at in 0..order.len() {
+            let begins_batch = at % at_once == 0;
+            if begins_batch {
+                batches.push(Batch::default());
+            }
+            let Some(batch) = batches.last_mut() else { continue };
+            match batch.clusters.last_mut() {
+                Some(range) if !begins_batch && is_same(order[at - 1].0, order[at].0) => range.end = at + 1,
+                _ => batch.clusters.push(at..at + 1),
             }
         }
-        (order, batches)
+        (order.into_iter().map(|(_, own)| own).collect(), batches)
     }
 
     /// What lamps have in common.
@@ -456,6 +448,15 @@ pub(crate) fn vertices(projection: MapProjection) -> u32 {
         MapProjection::Cube => 3,
         MapProjection::Paraboloid => 6,
     }
+}
+
+/// The bits of a cell's coordinates, taken in turns (Morton 1966, *A computer oriented geodetic data base*); lamps far outside the
+/// grid are taken to be no farther.
+fn morton(cell: glam::Vec3) -> u64 {
+    const MIDDLE: f32 = (1 << 20) as f32;
+    let at = (cell.floor() + MIDDLE).clamp(glam::Vec3::ZERO, glam::Vec3::splat(2.0 * MIDDLE - 1.0)).as_uvec3();
+    let spread = |x: u32| (0..21).fold(0, |sum, bit| sum | u64::from(x >> bit & 1) << (3 * bit));
+    spread(at.x) | spread(at.y) << 1 | spread(at.z) << 2
 }
 
 /// Two draws for each side of nothing yet.

@@ -44,6 +44,8 @@ pub(crate) struct Lighting {
 const LEAST_SHARE: f32 = 1.0 / 4096.0;
 /// Radiance of the horizon at night, relative to a plainly lit white surface.
 const NIGHT_HORIZON: f32 = 0.03;
+/// How much less of it there is beside virtual lights, which are themselves what lamps send all round.
+const BESIDE_VIRTUAL: f32 = 0.1;
 /// Radiance at night of what glows (windows, signs), relative to a plainly lit white surface.
 const NIGHT_GLOW: f32 = 4.0;
 /// Share of plainly lit places' light that lamps send all round at night, by way of walls and haze.
@@ -80,12 +82,14 @@ impl Lighting {
                 let plainly_lit = lamplit(&lamps).or_else(|| moonlit(&moons)).unwrap_or(LUX);
                 let moons: Vec<Sun> = moons.into_iter().map(|moon| beside_lamps(moon, plainly_lit)).collect();
                 let white = plainly_lit / PI;
-                let sky = Sky::night(white * NIGHT_HORIZON, moons.first());
+                let horizon = if virtual_lights.is_empty() { NIGHT_HORIZON } else { NIGHT_HORIZON * BESIDE_VIRTUAL };
+                let sky = Sky::night(white * horizon, moons.first());
                 (moons, sky, plainly_lit, white * NIGHT_GLOW)
             }
         };
         let from_suns: Vec3 = suns.iter().map(|s| s.irradiance * (s.towards_world.y as f32).max(0.35)).sum();
-        let from_lamps = if time == Time::Night { plainly_lit * LAMPS_ALL_ROUND / PI } else { 0.0 };
+        let from_lamps =
+            if time == Time::Night && virtual_lights.is_empty() { plainly_lit * LAMPS_ALL_ROUND / PI } else { 0.0 };
         lamps.extend(virtual_lights.iter().enumerate().map(|(i, light)| light.lamp(i, diagonal_m)));
         let outdoors = from_suns / PI + sky.overhead() + from_lamps;
         let lamps = Lamps::new(lamps, plainly_lit * LEAST_SHARE);

@@ -32,7 +32,7 @@ enum Table {
     Construction(construction::Args),
     /// Baked shadows beside cascaded shadow maps: time on the graphics card, error against traced truth
     Csm(csm::Args),
-    /// Triangles left to draw into the shadow maps of many lights, by ways to cull them
+    /// Shadow maps of many lights: triangles and times with voxel culling, with frusta and without; its ablations
     Culling(culling::Args),
     /// Soft shadows in fog: time per step beside the slow ways, error against traced truth
     Ivsv(ivsv::Args),

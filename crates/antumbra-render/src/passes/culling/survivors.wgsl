@@ -33,28 +33,42 @@ fn sides_to_draw(cluster: u32, number: u32) -> u32 {
     return sides & sides_of(grid.cells_per_m, low, high, clusters[chunk.first + cluster], chunk.sides, chunk.border);
 }
 
+var<workgroup> cells: array<u32, 32>;
+var<workgroup> sides_of_cells: array<u32, 32>;
+
 @compute @workgroup_size(32)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    for (var i = group.x; i < occupied[0]; i += groups.x) {
-        let cell = occupied[1u + i];
-        let sides = sides_to_draw(group.y, cell);
-        if sides == 0u {
-            continue;
+    for (var first = 32u * group.x; first < occupied[0]; first += 32u * groups.x) {
+        // Each lane looks at a cell, then all of them at the triangles of each cell that is left.
+        workgroupBarrier();
+        sides_of_cells[lane] = 0u;
+        if first + lane < occupied[0] {
+            cells[lane] = occupied[1u + first + lane];
+            sides_of_cells[lane] = sides_to_draw(group.y, cells[lane]);
         }
-        let end = min(begins[cell + 1u], grid.most_refs);
-        for (var slot = begins[cell] + lane; slot < end; slot += 32u) {
-            let item = select(refs[slot], slot, grid.binning == CUT);
-            for (var left = sides; left != 0u; left &= left - 1u) {
-                let side = group.y * chunk.sides + countTrailingZeros(left);
-                let at = side * grid.item_words + item / 32u;
-                let bit = 1u << (item & 31u);
-                if (atomicLoad(&survivors[at]) & bit) == 0u {
-                    atomicOr(&survivors[at], bit);
-                }
+        workgroupBarrier();
+        for (var i = 0u; i < 32u; i++) {
+            if sides_of_cells[i] != 0u {
+                keep(group.y, cells[i], sides_of_cells[i], lane);
+            }
+        }
+    }
+}
+
+fn keep(cluster: u32, cell: u32, sides: u32, lane: u32) {
+    let end = min(begins[cell + 1u], grid.most_refs);
+    for (var slot = begins[cell] + lane; slot < end; slot += 32u) {
+        let item = select(refs[slot], slot, grid.binning == CUT);
+        for (var left = sides; left != 0u; left &= left - 1u) {
+            let side = cluster * chunk.sides + countTrailingZeros(left);
+            let at = side * grid.item_words + item / 32u;
+            let bit = 1u << (item & 31u);
+            if (atomicLoad(&survivors[at]) & bit) == 0u {
+                atomicOr(&survivors[at], bit);
             }
         }
     }

@@ -84,7 +84,7 @@ pub enum Marking {
 pub enum Clustering {
     /// None.
     None,
-    /// Those in the same block of so many cells along each axis, 1 to 8; the paper: 1.
+    /// Those in the same block of so many cells along each axis: 1, 2, 4 or 8; the paper: 1.
     Cells(u32),
 }
 
@@ -131,6 +131,7 @@ impl LampMaps {
         within("the batch of lamps", self.batch, 1, 64)?;
         if let Clustering::Cells(cells) = self.clustering {
             within("the cells of a cluster", cells, 1, 8)?;
+            within("the cells of a cluster, as powers of two,", cells.count_ones(), 1, 1)?;
         }
         Ok(())
     }

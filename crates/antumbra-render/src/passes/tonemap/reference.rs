@@ -7,7 +7,7 @@ use glam::{Mat3, Vec3};
 use std::f32::consts::PI;
 
 use crate::{
-    light::{Time, luminance},
+    light::{Lamp, Time, luminance},
     passes::{Lighting, shade::reference::Shaded},
     surface::srgb_from_linear,
 };
@@ -69,7 +69,9 @@ fn night_exposure(lighting: &Lighting, mut metered: Vec<f32>) -> f32 {
         sum += brightness * brightness.ln();
         weights += brightness;
     }
-    NIGHT_KEY / ((sum / weights).exp() as f32).clamp(lit * 0.3, lit * 16.0)
+    // Light that surfaces send on is dimmer than the lamps', and may be all there is to see.
+    let least = if lighting.lamps.all().iter().any(Lamp::is_virtual) { 0.002 } else { 0.3 };
+    NIGHT_KEY / ((sum / weights).exp() as f32).clamp(lit * least, lit * 16.0)
 }
 
 /// One exposed linear color as sRGB bytes. `dither` is in 0..1 and differs from pixel to pixel: it spreads the
