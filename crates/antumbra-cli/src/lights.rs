@@ -26,6 +26,7 @@ pub fn directional(name: &str, direction_world: DVec3) -> Light {
         color: [1.0; 3],
         intensity: DAYLIGHT_LUX,
         range_m: None,
+        dynamic: false,
     }
 }
 
@@ -52,7 +53,7 @@ pub fn policy_warnings(light: LightShadow<'_>, asked: &str) -> Vec<String> {
     vec![format!("\"{name}\" was baked with --interior {policy}, and {asked} are asked for: it is defined {defined}")]
 }
 
-/// The lights to bake, in the scene's order: those named and the added sun, or all there are.
+/// The lights to bake, in the scene's order: those named and the added sun, or all that do not move.
 pub fn choose(scene: &mut Scene, names: &[String], sun: Option<SunAngles>) -> Result<Vec<Light>> {
     if let Some(angles) = sun {
         put(scene, directional(SUN, angles.direction_world()));
@@ -63,7 +64,11 @@ pub fn choose(scene: &mut Scene, names: &[String], sun: Option<SunAngles>) -> Re
     if scene.lights.is_empty() {
         bail!("the scene has no light; add a directional one with --sun AZIMUTH,ELEVATION");
     }
-    Ok(scene.lights.clone())
+    let still: Vec<Light> = scene.lights.iter().filter(|light| !light.dynamic).cloned().collect();
+    if still.is_empty() {
+        bail!("all lights of the scene move; name those to bake with --light");
+    }
+    Ok(still)
 }
 
 fn named(lights: &[Light], names: &[String], with_sun: bool) -> Result<Vec<Light>> {

@@ -213,6 +213,8 @@ pub struct Light {
     pub intensity: f32,
     /// Distance at which the light ends, if the file says so, metres.
     pub range_m: Option<f64>,
+    /// Whether it moves: then it is baked only if it is named. Set as [`Node::dynamic`] is.
+    pub dynamic: bool,
 }
 
 /// The surface of a light.

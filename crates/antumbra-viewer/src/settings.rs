@@ -128,6 +128,7 @@ impl Settings {
                 color: [1.0; 3],
                 intensity: 100_000.0,
                 range_m: None,
+                dynamic: false,
             });
         }
         lights
@@ -167,6 +168,7 @@ mod tests {
             color: [1.0; 3],
             intensity: 1.0,
             range_m: None,
+            dynamic: false,
         };
         let lights = [sun];
         let scene = Scene { lights: lights.to_vec(), ..Scene::default() };

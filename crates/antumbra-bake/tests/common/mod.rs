@@ -33,6 +33,7 @@ pub fn sun(direction: [f64; 3]) -> Light {
         color: [1.0; 3],
         intensity: 1.0,
         range_m: None,
+        dynamic: false,
     }
 }
 

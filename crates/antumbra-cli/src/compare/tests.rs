@@ -58,6 +58,7 @@ fn light() -> impl Strategy<Value = Light> {
         color: [1.0; 3],
         intensity: 1.0,
         range_m: Some(range),
+        dynamic: false,
     })
 }
 

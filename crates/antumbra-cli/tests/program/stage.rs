@@ -103,6 +103,7 @@ fn lights() -> Vec<Light> {
         color: [1.0; 3],
         intensity: 10.0,
         range_m,
+        dynamic: false,
     };
     let cone = |degrees: f64| LightKind::Spot { inner_angle: 0.0, outer_angle: degrees * PI / 180.0 };
     let [sun, lamp, spot, wide] = LIGHTS;

@@ -209,6 +209,7 @@ mod tests {
             color: [1.0, 0.5, 0.25],
             intensity: 128_000.0,
             range_m,
+            dynamic: false,
         }
     }
 

@@ -110,6 +110,7 @@ mod tests {
             color: [1.0; 3],
             intensity: 128_000.0,
             range_m: (!i.is_multiple_of(4)).then_some(1.0 + f64::from(i % 7)),
+            dynamic: false,
         };
         Lamp::of_light(&light, 60.0).expect("a lamp")
     }

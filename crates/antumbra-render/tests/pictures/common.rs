@@ -16,6 +16,7 @@ pub fn sun(direction: DVec3) -> Light {
         color: [1.0; 3],
         intensity: 1.0,
         range_m: None,
+        dynamic: false,
     }
 }
 

@@ -19,6 +19,7 @@ fn lamp(kind: LightKind, position_world: DVec3, range_m: Option<f64>) -> Light {
         color: [1.0; 3],
         intensity: 1.0 / LUX,
         range_m,
+        dynamic: false,
     }
 }
 

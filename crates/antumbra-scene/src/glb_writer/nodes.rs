@@ -20,6 +20,9 @@ pub(super) fn nodes(scene: &Scene, meshes: &[Option<usize>]) -> Written<Vec<Valu
         let world_from_light = DAffine3 { matrix3: looking(light.direction_world), translation: light.position_world };
         let mut node = placed(&light.name, &world_from_light)?;
         node["extensions"] = extension;
+        if light.dynamic {
+            node["extras"] = json!({ "antumbra": "dynamic" });
+        }
         out.push(node);
     }
     for light in &scene.area_lights {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::nodes::Placed;
@@ -24,12 +24,13 @@ pub(super) fn read_lights(root: &Root, placed: &[Placed<'_>]) -> Result<Vec<Ligh
         let definition = item(definitions, light.light, "light")?;
         let own_name = place.node.name.as_ref().or(definition.name.as_ref());
         let name = names.unique(own_name.unwrap_or(&place.name));
-        lights.push(read_light(definition, name, &place.world_from_node)?);
+        lights.push(read_light(definition, name, place)?);
     }
     Ok(lights)
 }
 
-fn read_light(light: &schema::Light, name: String, world_from_node: &DAffine3) -> Result<Light, SceneError> {
+fn read_light(light: &schema::Light, name: String, place: &Placed<'_>) -> Result<Light, SceneError> {
+    let world_from_node = &place.world_from_node;
     Ok(Light {
         kind: read_kind(light)?,
         name,
@@ -38,6 +39,7 @@ fn read_light(light: &schema::Light, name: String, world_from_node: &DAffine3) -
         color: light.color.unwrap_or([1.0; 3]).map(|c| c.clamp(0.0, f32::MAX)),
         intensity: light.intensity.unwrap_or(1.0).clamp(0.0, f32::MAX),
         range_m: light.range.filter(|&r| r > 0.0 && r.is_finite()),
+        dynamic: place.dynamic,
     })
 }
 

@@ -29,6 +29,7 @@ fn in_the_sky(azimuth_deg: f64, elevation_deg: f64) -> Light {
         color: [1.0; 3],
         intensity: 1.0,
         range_m: None,
+        dynamic: false,
     }
 }
 
@@ -42,6 +43,7 @@ pub(crate) fn point(name: String, position_world: DVec3, range_m: f64, candela: 
         color,
         intensity: candela,
         range_m: Some(range_m),
+        dynamic: false,
     }
 }
 

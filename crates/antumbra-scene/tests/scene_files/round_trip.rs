@@ -38,6 +38,7 @@ fn sample() -> Scene {
         color: [0.1, 0.9, 1.0],
         intensity: 12.3,
         range_m: (kind != LightKind::Directional).then_some(0.7),
+        dynamic: false,
     };
     Scene {
         name: "sample".to_owned(),

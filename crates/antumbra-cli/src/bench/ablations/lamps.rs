@@ -48,5 +48,6 @@ fn on_wall(tracer: &Tracer, random: &mut Random) -> Option<Light> {
         color: [1.0; 3],
         intensity: 1000.0,
         range_m: Some(RANGE_M),
+        dynamic: false,
     })
 }
