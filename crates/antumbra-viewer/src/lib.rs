@@ -14,6 +14,7 @@ mod app;
 mod area;
 mod error;
 mod fly;
+mod lamps;
 mod panel;
 mod rebuild;
 mod screen;

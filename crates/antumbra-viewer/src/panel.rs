@@ -3,13 +3,14 @@
 use std::collections::VecDeque;
 
 use antumbra::Kernel;
-use antumbra_render::Time;
 use antumbra_render::area::{Airlight, AreaTechnique, Gathering, Interpolation};
 use antumbra_render::gpu::PassTime;
+use antumbra_render::{MapProjection, Time};
 use antumbra_scene::Camera;
 use egui::{Color32, ComboBox, DragValue, Panel, Pos2, Sense, Slider, Stroke, Ui, Vec2};
 
 use crate::area::Area;
+use crate::lamps::{CULLINGS, Lamps};
 use crate::settings::{Averaging, Settings, Technique};
 
 /// What the panel shows beside the choices.
@@ -94,6 +95,8 @@ pub(crate) fn show(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>, hist
             ui.separator();
             light(ui, settings);
             ui.separator();
+            lamps(ui, &mut settings.lamps);
+            ui.separator();
             area_light(ui, &mut settings.area);
             ui.separator();
             cameras(ui, facts, &mut wishes);
@@ -153,6 +156,21 @@ fn light(ui: &mut Ui, settings: &mut Settings) {
     ui.add(Slider::new(&mut settings.anisotropy, -0.9..=0.9).text("scatters forwards"));
     ui.checkbox(&mut settings.is_moving, "move what is dynamic");
     ui.add(Slider::new(&mut settings.samples, 1..=8).text("samples"));
+}
+
+/// Shadow maps of lamps that no bake holds, and over one of what moves; and light that surfaces send on.
+fn lamps(ui: &mut Ui, lamps: &mut Lamps) {
+    ui.checkbox(&mut lamps.is_on, "shadow maps of lamps");
+    if lamps.is_on {
+        let projections = [(MapProjection::Cube, "cubes"), (MapProjection::Paraboloid, "paraboloids")];
+        choose(ui, "drawn as", &mut lamps.projection, &projections);
+        let mut log2 = lamps.size.ilog2();
+        ui.add(Slider::new(&mut log2, 6..=12).text("texels").custom_formatter(|log2, _| format!("{}", log2.exp2())));
+        lamps.size = 1 << log2;
+        choose(ui, "culled by", &mut lamps.culling, &CULLINGS);
+        ui.add(Slider::new(&mut lamps.grid, 8..=128).text("cells"));
+    }
+    ui.add(Slider::new(&mut lamps.virtual_lights, 0..=1024).text("virtual lights"));
 }
 
 /// A light to drag, resize, recolour and feed, and how its shadows are found.
@@ -252,7 +270,7 @@ fn figures(ui: &mut Ui, facts: &Facts<'_>, history: &History) {
 
 /// A pass keeps its colour, whichever others there are.
 fn color(name: &str) -> Color32 {
-    const COLORS: [(&str, Color32); 10] = [
+    const COLORS: [(&str, Color32); 16] = [
         ("raster", Color32::from_rgb(86, 180, 233)),
         ("resolve", Color32::from_rgb(0, 114, 178)),
         ("sun shadows", Color32::from_rgb(240, 228, 66)),
@@ -262,6 +280,12 @@ fn color(name: &str) -> Color32 {
         ("tile boxes", Color32::from_rgb(140, 140, 140)),
         ("light lists", Color32::from_rgb(204, 121, 167)),
         ("lamps", Color32::from_rgb(0, 200, 140)),
+        ("bins", Color32::from_rgb(120, 94, 240)),
+        ("source cells", Color32::from_rgb(150, 150, 220)),
+        ("marks", Color32::from_rgb(100, 143, 255)),
+        ("survivors", Color32::from_rgb(70, 110, 220)),
+        ("lamp maps", Color32::from_rgb(255, 176, 0)),
+        ("mapped lamps", Color32::from_rgb(0, 230, 170)),
         ("tone mapping", Color32::from_rgb(200, 200, 200)),
     ];
     COLORS.iter().find(|(known, _)| *known == name).map_or(Color32::WHITE, |(_, color)| *color)

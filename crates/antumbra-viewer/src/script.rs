@@ -149,7 +149,10 @@ pub(crate) fn set(settings: &mut Settings, key: &str, value: &str) -> Result<(),
         "scatter" => settings.anisotropy = within(-0.95, 0.95)?,
         "video" => settings.video_s = within(0.0, 1e6)?,
         "moving" => settings.is_moving = on_or_off(value)?,
-        _ => return set_area(&mut settings.area, key, value, within),
+        _ => match settings.lamps.set(key, value, within) {
+            Some(result) => return result,
+            None => return set_area(&mut settings.area, key, value, within),
+        },
     }
     Ok(())
 }

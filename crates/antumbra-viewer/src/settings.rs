@@ -7,6 +7,7 @@ use antumbra_scene::{Light, LightKind, Scene};
 use glam::DVec3;
 
 use crate::area::Area;
+use crate::lamps::Lamps;
 
 /// Where shadows come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +48,8 @@ pub(crate) struct Settings {
     pub anisotropy: f64,
     /// Lights with a surface.
     pub area: Area,
+    /// Lamps' shadow maps, and virtual lights.
+    pub lamps: Lamps,
     /// Time of their videos, seconds.
     pub video_s: f64,
     /// Whether what is dynamic moves to and fro.
@@ -73,13 +76,14 @@ impl Settings {
             fog_per_m: 0.0,
             anisotropy: 0.5,
             area: Area::new(scene),
+            lamps: Lamps::default(),
             video_s: 0.0,
             is_moving: false,
             sun_deg: sun.map_or([225.0, 45.0], |sun| angles(-sun.direction_world)),
         }
     }
 
-    fn filter(&self) -> Filter {
+    pub fn filter(&self) -> Filter {
         Filter::new(self.taps, self.kernel).unwrap_or_default()
     }
 

@@ -4,8 +4,6 @@
 use antumbra_scene::Bounds;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-#[cfg(test)]
-use glam::Vec3;
 
 use super::passes::CullPasses;
 use super::scene::{DrawnPart, SceneBuffers};
@@ -370,14 +368,23 @@ impl Culler {
         }
     }
 
-    /// The cells' marks of the last chunk, by cluster and side; and the source cells' boxes: for tests.
+    /// What the card found, for tests: the cells' marks of the last chunk, by cluster and side; the source cells; and where each
+    /// cell's triangles begin.
     #[cfg(test)]
-    pub fn last(&self, gpu: &Gpu) -> Result<(Vec<u32>, Vec<[Vec3; 2]>), RenderError> {
-        let Some(items) = &self.items else { return Ok((Vec::new(), Vec::new())) };
-        let words: Vec<f32> = gpu.read(&self.sources)?;
-        let rows = words[4..].chunks_exact(8).take(words[0].to_bits() as usize);
-        let boxes = rows.map(|row| [Vec3::new(row[0], row[1], row[2]), Vec3::new(row[4], row[5], row[6])]);
-        Ok((gpu.read(&items.marks)?, boxes.collect()))
+    pub fn found(&self, gpu: &Gpu) -> Result<(Vec<u32>, crate::culling::Receivers, Vec<u32>), RenderError> {
+        use crate::culling::{Receivers, SourceCell};
+        use glam::Vec3;
+        let words: Vec<u32> = gpu.read(&self.sources)?;
+        let three = |row: &[u32]| Vec3::new(f32::from_bits(row[0]), f32::from_bits(row[1]), f32::from_bits(row[2]));
+        let source = |row: &[u32]| SourceCell {
+            cell: self.grid.cell(row[3] as usize),
+            low: three(&row[..3]),
+            high: three(&row[4..7]),
+        };
+        let mut cells: Vec<SourceCell> = words[4..].chunks_exact(8).take(words[0] as usize).map(source).collect();
+        cells.sort_by_key(|source| self.grid.number(source.cell));
+        let marks = self.items.as_ref().map_or(Ok(Vec::new()), |items| gpu.read(&items.marks))?;
+        Ok((marks, Receivers { cells }, gpu.read(&self.begins)?))
     }
 }
 

@@ -426,11 +426,6 @@ impl Mapper {
         };
         Ok(lamps.iter().enumerate().map(of_cluster).sum())
     }
-
-    #[cfg(test)]
-    pub fn culler(&self) -> &Culler {
-        &self.culler
-    }
 }
 
 /// Some clusters' maps.
@@ -510,4 +505,87 @@ pub(crate) fn chosen<'a>(
         is_needed.then_some(Chosen { index: i as u32, lamp, is_of_movers, reach_m })
     };
     lamps.iter().enumerate().filter_map(chosen).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use antumbra_scene::procedural::{self, Options};
+    use antumbra_scene::{AlphaMode, LightKind};
+
+    use super::*;
+    use crate::culling::{Binning, Bins, Footprint, Marks};
+    use crate::gpu::{GpuRenderer, Lookup, Setting};
+    use crate::{Marking, RenderOptions, Time, Tracer, TriangleId};
+
+    /// Of the first lamp of a village, the card finds what the processor finds: which triangles lie in which cells, and which cells
+    /// lie between the lamp and what is seen.
+    #[test]
+    fn bins_and_marks_are_the_processors() {
+        let gpu = Gpu::open().expect("a graphics card");
+        let options = Options { scale: 0.1, ..Options::default() };
+        let mut scene = procedural::build("village", &options).expect("a scene");
+        scene.lights.retain(|light| light.kind == LightKind::Point);
+        scene.lights.truncate(1);
+        // It lights everything there is.
+        (scene.lights[0].range_m, scene.lights[0].intensity) = (None, 1e12);
+        let light = scene.lights[0].position_world;
+        let scene = Arc::new(scene);
+        let tracer = Tracer::new(&scene, |_, material| material.alpha_mode != AlphaMode::Blend);
+        let corners: Vec<[DVec3; 3]> =
+            (0..tracer.triangle_count()).map(|i| tracer.corners(TriangleId(i as u32))).collect();
+        for (marking, binning) in [
+            (Marking::Boxes, Binning::Whole),
+            (Marking::Cells, Binning::Clip),
+            (Marking::Steps, Binning::NoCull { most_cells: 2 }),
+        ] {
+            let lights = scene.lights.clone();
+            let setting = Setting { lights, time: Some(Time::Night), has_lamp_maps: true, ..Setting::default() };
+            let mut renderer = GpuRenderer::new(&gpu, Arc::clone(&scene), setting).expect("a renderer");
+            let how = LampMaps { culling: Culling::Voxels(marking), binning, size: 256, ..LampMaps::default() };
+            let footprint = how.shape().footprint();
+            let options = RenderOptions {
+                width: 96,
+                height: 54,
+                samples: 1,
+                lamp_maps: Some(how),
+                exposure: Some(1.0),
+                ..RenderOptions::default()
+            };
+            renderer.render(&scene.cameras[0], &options, Lookup::None).expect("a picture");
+            let culler = &renderer.mapper.as_ref().expect("maps were drawn").culler;
+            let (on_card, receivers, begins) = culler.found(&gpu).expect("the card is there");
+            let grid = &culler.grid;
+            let bins = Bins::new(grid, &corners, binning);
+            let own = |cell: usize| bins.of_cell(cell).len() as u32;
+            let cells_off = (0..grid.cells()).filter(|c| begins[c + 1] - begins[*c] != own(*c)).count();
+            assert!(bins.occupied().count() > 500 && cells_off <= 4, "{binning:?}: {cells_off} cells differ");
+            let marks = marks(&receivers, grid, light, marking, footprint);
+            let marked = (0..grid.cells()).filter(|cell| marks.has(*cell)).count();
+            let differ = |cell: &usize| marks.has(*cell) != (on_card[cell / 32] >> (cell % 32) & 1 != 0);
+            let marks_off = (0..grid.cells()).filter(differ).count();
+            assert!(marked > 200 && marks_off <= 4, "{marking:?}: {marks_off} of {marked} marks differ");
+        }
+    }
+
+    fn marks(
+        receivers: &crate::culling::Receivers,
+        grid: &crate::culling::Grid,
+        light: DVec3,
+        marking: Marking,
+        footprint: Footprint,
+    ) -> Marks {
+        let mut marks = Marks::none(grid);
+        match marking {
+            Marking::Steps => {
+                let of_light = grid.at(light).floor().as_ivec3();
+                let sources = receivers.cells.iter();
+                sources.for_each(|s| crate::culling::mark_by_steps(grid, s.cell, of_light, &mut marks));
+            }
+            Marking::Cells => receivers.mark_cells(grid, light, footprint, &mut marks),
+            Marking::Boxes | Marking::Sides => receivers.mark(grid, [light, light], footprint, &mut marks),
+        }
+        marks
+    }
 }

@@ -356,15 +356,15 @@ impl GpuRenderer {
 
     /// Gets ready for lamps' maps, as a view sees them.
     fn begin_mapper(&mut self, view: &View, way: Way) -> Result<(), RenderError> {
-        let Some(how) = &self.lamp_maps else { return Ok(()) };
+        let count = self.chosen().len();
+        let Some(how) = self.lamp_maps.as_ref().filter(|_| count > 0) else { return Ok(()) };
         if !self.mapper.as_mut().is_some_and(|mapper| mapper.turn_to(how)) {
             self.mapper = None;
             self.mapper = Some(Mapper::new(&self.gpu, how, &self.buffers, &self.bounds)?);
         }
-        let count = self.chosen().len();
         let mut mapper = self.mapper.take();
         let result = match (&mut mapper, self.stage(view, way)) {
-            (Some(mapper), Some(stage)) if count > 0 => mapper.begin(&stage, count),
+            (Some(mapper), Some(stage)) => mapper.begin(&stage, count),
             _ => Ok(()),
         };
         self.mapper = mapper;
@@ -411,6 +411,16 @@ impl GpuRenderer {
             moved.world_from_mesh = world_from_mesh;
             self.buffers.moved(&self.scene, node, moved);
             self.mapper.iter_mut().for_each(Mapper::moved);
+        }
+    }
+
+    /// Moves a spot or point light by its name: from the next frame on it shines from there. A baked one has baked shadows no more.
+    pub fn move_lamp(&mut self, name: &str, position_world: DVec3) {
+        let Lit { lighting, numbers, .. } = &mut self.lit;
+        let Some(index) = lighting.lamps.all().iter().position(|lamp| lamp.name == name) else { return };
+        if lighting.lamps.all()[index].position_world != position_world {
+            lighting.lamps.move_to(index, position_world);
+            numbers[index] = None;
         }
     }
 

@@ -36,6 +36,14 @@ impl Lamps {
         Self { lamps, nodes, least }
     }
 
+    /// Moves a lamp.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn move_to(&mut self, index: usize, position_world: DVec3) {
+        let mut lamps = std::mem::take(&mut self.lamps);
+        lamps[index].position_world = position_world;
+        *self = Self::new(lamps, self.least);
+    }
+
     pub(crate) fn all(&self) -> &[Lamp] {
         &self.lamps
     }

@@ -87,7 +87,7 @@ fn mark_slice(beam: Beam, cluster: u32, sides: u32, major: u32, slice: i32) {
 }
 
 // A source cell, or the whole cell that it is in, widened by what lookups read beside their points.
-fn widened(source: SourceCell, cluster: Cluster) -> array<vec3<f32>, 2> {
+fn widened(source: SourceCell, reach_per_m: f32, light: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
     var low = source.low;
     var high = source.high;
     if MARKING != BOXES {
@@ -95,8 +95,8 @@ fn widened(source: SourceCell, cluster: Cluster) -> array<vec3<f32>, 2> {
         low = min(low, cell);
         high = max(high, cell + 1.0);
     }
-    let farthest = max(abs(high - cluster.low), abs(cluster.high - low)) / grid.cells_per_m;
-    let reach = cluster.reach * length(farthest) * grid.cells_per_m + grid.hair;
+    let farthest = max(abs(high - light[0]), abs(light[1] - low)) / grid.cells_per_m;
+    let reach = reach_per_m * length(farthest) * grid.cells_per_m + grid.hair;
     return array<vec3<f32>, 2>(low - reach, high + reach);
 }
 
@@ -145,26 +145,26 @@ fn main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let cluster = clusters[chunk.first + group.y];
+    var light = array<vec3<f32>, 2>(cluster.low, cluster.high);
+    if MARKING == CELLS {
+        light = array<vec3<f32>, 2>(floor(cluster.low), floor(cluster.high) + 1.0);
+    }
     if MARKING == STEPS {
         for (var i = group.x * 32u + lane; i < sources.count; i += 32u * groups.x) {
-            let own = widened(sources.cells[i], cluster);
+            let own = widened(sources.cells[i], cluster.reach, light);
             let middle = clamp(floor(0.5 * (cluster.low + cluster.high)), vec3(-1e6), vec3(1e6));
             mark_by_steps(group.y, sides_seen(own, cluster), vec3<i32>(cell_of(grid, sources.cells[i].cell)), vec3<i32>(middle));
         }
         return;
     }
     for (var i = group.x; i < sources.count; i += groups.x) {
-        let own = widened(sources.cells[i], cluster);
+        let own = widened(sources.cells[i], cluster.reach, light);
         let sides = sides_seen(own, cluster);
         if sides == 0u {
             continue;
         }
-        var light = array<vec3<f32>, 2>(cluster.low - grid.hair, cluster.high + grid.hair);
-        if MARKING == CELLS {
-            light[0] = floor(cluster.low) - grid.hair;
-            light[1] = floor(cluster.high) + 1.0 + grid.hair;
-        }
-        let beam = Beam(array<vec3<f32>, 2>(own[0], light[0]), array<vec3<f32>, 2>(own[1], light[1]));
+        let low = array<vec3<f32>, 2>(own[0], light[0] - grid.hair);
+        let beam = Beam(low, array<vec3<f32>, 2>(own[1], light[1] + grid.hair));
         let way = abs(beam.low[1] + beam.high[1] - beam.low[0] - beam.high[0]);
         let major = select(select(2u, 1u, way.y >= way.z), 0u, way.x >= max(way.y, way.z));
         let slices = range_of(beam, major, vec2(0.0, 1.0));
