@@ -121,3 +121,44 @@ fn culling_changes_no_pixel_of_any_scene() {
         }
     }
 }
+
+/// Maps are kept while nothing moves in them, and what moves is seen at once.
+#[test]
+fn kept_maps_are_those_drawn_anew() {
+    let gpu = gpu();
+    let mut scene = procedural("village", 0.1);
+    scene.lights.retain(|light| light.kind == LightKind::Point);
+    scene.lights.truncate(6);
+    let lamps = scene.lights.clone();
+    // What casts shadows near the first lamp, and the lamp itself, move.
+    let near = |node: &antumbra_scene::Node| (node.world_from_mesh.translation - lamps[0].position_world).length();
+    let order = |a: &usize, b: &usize| near(&scene.nodes[*a]).total_cmp(&near(&scene.nodes[*b]));
+    let own = (0..scene.nodes.len()).filter(|i| scene.nodes[*i].name != "ground").min_by(order).expect("a node");
+    for projection in PROJECTIONS {
+        let [mut kept, mut anew] = [(); 2].map(|()| Stage::new(&gpu, scene.clone(), 6, 3));
+        let maps = LampMaps { projection, size: 256, ..LampMaps::default() };
+        let without = LampMaps { reuse: false, ..maps.clone() };
+        let mut triangles = Vec::new();
+        for step in 0..6 {
+            for stage in [&mut kept, &mut anew] {
+                if step == 2 || step == 4 {
+                    let by = glam::DVec3::new(0.2, 0.1, 0.1) * f64::from(step);
+                    let moved = glam::DAffine3::from_translation(by) * scene.nodes[own].world_from_mesh;
+                    stage.renderer.move_node(own, moved);
+                }
+                if step == 3 {
+                    stage.renderer.move_lamp(&lamps[1].name, lamps[1].position_world + glam::DVec3::Y * 0.05);
+                }
+            }
+            let (a, b) = (kept.draw(maps.clone()), anew.draw(without.clone()));
+            let off = a.picture.hdr().iter().zip(b.picture.hdr()).filter(|(a, b)| a != b).count();
+            println!("{projection:?}, step {step}: {} of {} triangles drawn", a.triangles, b.triangles);
+            assert_eq!(off, 0, "{projection:?}, step {step}");
+            triangles.push((a.triangles, b.triangles));
+        }
+        // All at first, then none, then some.
+        assert_eq!(triangles[0].0, triangles[0].1);
+        assert_eq!([triangles[1].0, triangles[5].0], [0, 0]);
+        assert!([2, 3, 4].iter().all(|i| triangles[*i].0 > 0 && triangles[*i].0 < triangles[*i].1), "{triangles:?}");
+    }
+}

@@ -241,7 +241,7 @@ impl Stage {
         let mut png = Vec::new();
         for (&projection, &size) in study.projections.iter().flat_map(|p| study.maps.iter().map(move |size| (p, size)))
         {
-            let base = LampMaps { projection, size, grid: study.grid, ..LampMaps::default() };
+            let base = LampMaps { projection, size, grid: study.grid, reuse: false, ..LampMaps::default() };
             let mut drawn = Vec::new();
             for (_, culling) in TECHNIQUES {
                 drawn.push(self.draw(LampMaps { culling, ..base.clone() }, study.frames)?);
@@ -270,12 +270,14 @@ impl Stage {
 
     fn measure_ablations(&mut self, study: &Study, section: &mut Section) -> Result<()> {
         let size = study.maps.first().copied().unwrap_or(512);
-        let base = LampMaps { size, grid: study.grid, always_bin: true, ..LampMaps::default() };
+        let base = LampMaps { size, grid: study.grid, always_bin: true, reuse: false, ..LampMaps::default() };
         let voxels = |marking| LampMaps { culling: Culling::Voxels(marking), ..base.clone() };
         let binned = |binning| LampMaps { binning, ..base.clone() };
         let clustered = |clustering| LampMaps { clustering, ..base.clone() };
         let of_grid = |grid| LampMaps { grid, ..base.clone() };
         let batches = |batch| LampMaps { batch, ..base.clone() };
+        let all = (self.lights as u32).min(64);
+        let kept = LampMaps { reuse: true, always_bin: false, batch: all, budget_bytes: 1 << 32, ..base.clone() };
         let ways = [
             ("marking", "step by step, with neighbours", voxels(Marking::Steps)),
             ("marking", "between cells, slices in parallel", voxels(Marking::Cells)),
@@ -296,6 +298,7 @@ impl Stage {
             ("lamps at once", "1", batches(1)),
             ("lamps at once", "4", batches(4)),
             ("lamps at once", "16", base.clone()),
+            ("still", "maps kept while nothing moves", kept),
         ];
         for (what, how, maps) in ways {
             let frame = self.draw(maps, study.frames)?;
@@ -312,7 +315,7 @@ impl Stage {
 
     fn measure_count(&mut self, study: &Study) -> Result<Row> {
         let size = study.maps.first().copied().unwrap_or(512);
-        let base = LampMaps { size, grid: study.grid, ..LampMaps::default() };
+        let base = LampMaps { size, grid: study.grid, reuse: false, ..LampMaps::default() };
         let frame = self.draw(base.clone(), study.frames)?;
         let frusta = self.draw(LampMaps { culling: Culling::Frusta, ..base }, study.frames)?;
         Ok(row(json!({

@@ -133,8 +133,9 @@ impl Maps {
 
     /// Whether a part may lie in a map, by the sphere about it.
     fn touches(&self, cascade: &Cascade, view: &View, part: &DrawnPart) -> bool {
-        let at = cascade.project(part.center - view.eye);
-        let (radius, side) = (part.radius_m / cascade.texel_m + 1.0, f64::from(self.options.size));
+        let (center, radius_m) = part.sphere();
+        let at = cascade.project(center - view.eye);
+        let (radius, side) = (radius_m / cascade.texel_m + 1.0, f64::from(self.options.size));
         at.x + radius >= 0.0 && at.x - radius <= side && at.y + radius >= 0.0 && at.y - radius <= side
     }
 }

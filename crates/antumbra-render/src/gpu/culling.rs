@@ -3,7 +3,7 @@
 
 use antumbra_scene::Bounds;
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
+use glam::{DVec3, IVec3, Vec3};
 
 use super::passes::CullPasses;
 use super::scene::{DrawnPart, SceneBuffers};
@@ -11,7 +11,7 @@ use super::targets::Targets;
 use super::timing::{Recorder, Step, Timer};
 use super::{Gpu, Kernel};
 use crate::RenderError;
-use crate::culling::{Binning, Grid};
+use crate::culling::{Binning, Grid, Marks};
 use crate::passes::lamp_maps::{Culling, LampMaps, Marking};
 
 /// The struct `CullGrid` of `grid.wgsl`.
@@ -43,7 +43,7 @@ pub(crate) struct GpuCluster {
     pub first_plane: u32,
     pub planes: u32,
     pub range_m: f32,
-    pub pad: u32,
+    pub is_new: u32,
 }
 
 /// The struct `Chunk` of `cluster.wgsl`.
@@ -63,6 +63,9 @@ pub(crate) struct Chunk {
 /// Bytes of lists of triangles at a time: clusters that need more come in chunks.
 const LIST_BYTES: u64 = 64 << 20;
 
+/// By how much boxes of what moves are widened, in cells.
+const HAIR: f32 = 0.01;
+
 /// Workgroups that share out cells among themselves.
 const SHARERS: u32 = 256;
 
@@ -70,6 +73,9 @@ const SHARERS: u32 = 256;
 const IS_CUT_OUT: u32 = 1 << 31;
 const CASTS_NOTHING: u32 = 1 << 30;
 const MOVES: u32 = 1 << 29;
+
+/// A value of `binning`: see `grid.wgsl`.
+const LISTED: u32 = 2;
 
 /// What culling needs on the card.
 #[derive(Debug)]
@@ -91,6 +97,9 @@ pub(crate) struct Culler {
     items: Option<Items>,
     /// Whether triangles lie where they were sorted.
     is_binned: bool,
+    /// Cells in which something has moved since the last sample.
+    moved: Marks,
+    moved_buffer: wgpu::Buffer,
 }
 
 /// Buffers whose size follows from how many triangles all cells have.
@@ -100,6 +109,9 @@ pub(crate) struct Items {
     pub pieces: wgpu::Buffer,
     always: wgpu::Buffer,
     marks: wgpu::Buffer,
+    /// The marks of what maps hold, and which of their sides need drawing.
+    drawn: wgpu::Buffer,
+    stale: wgpu::Buffer,
     survivors: wgpu::Buffer,
     pub lists: wgpu::Buffer,
     /// Clusters at a time.
@@ -157,7 +169,7 @@ impl Culler {
         let (binning, most_cells) = match how.binning {
             Binning::Whole => (0, 0),
             Binning::Clip => (1, 0),
-            Binning::NoCull { most_cells } => (2, most_cells),
+            Binning::NoCull { most_cells } => (LISTED, most_cells),
         };
         let values = CullGrid {
             cells_per_m: grid.cells_per_m().as_vec3().to_array(),
@@ -181,12 +193,34 @@ impl Culler {
             sources: gpu.zeros("source cells", 16 + 32 * cells),
             items: None,
             is_binned: false,
+            moved: Marks::none(&grid),
+            moved_buffer: gpu.zeros("cells of what moved", 4 * cells.div_ceil(32)),
         })
     }
 
-    /// Notes that something has moved.
-    pub fn moved(&mut self) {
+    /// Notes that something has moved from one box of the world to another.
+    pub fn moved(&mut self, boxes: [Bounds; 2]) {
         self.is_binned = false;
+        for bounds in boxes {
+            let [low, high] = [self.grid.at(bounds.min) - HAIR, self.grid.at(bounds.max) + HAIR];
+            let last = self.grid.side() as f32;
+            // What nothing culls may cast shadows anywhere.
+            let is_culled = self.values.binning != LISTED && low.min_element() >= 0.0 && high.max_element() <= last;
+            let range = if is_culled { [low, high] } else { [Vec3::ZERO, Vec3::splat(last - 1.0)] };
+            let [low, high] = range.map(|p| p.floor().min(Vec3::splat(last - 1.0)).as_ivec3());
+            for z in low.z..=high.z {
+                for y in low.y..=high.y {
+                    let row = (low.x..=high.x).filter_map(|x| self.grid.number(IVec3::new(x, y, z)));
+                    row.for_each(|cell| self.moved.set(cell));
+                }
+            }
+        }
+    }
+
+    /// Writes what has moved, and forgets it.
+    pub fn take_moved(&mut self, gpu: &Gpu) {
+        gpu.queue.write_buffer(&self.moved_buffer, 0, bytemuck::cast_slice(self.moved.words()));
+        self.moved = Marks::none(&self.grid);
     }
 
     pub fn items(&self) -> Option<&Items> {
@@ -316,7 +350,7 @@ impl Culler {
     pub fn cull(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, how: &LampMaps, clusters: &Clusters<'_>, chunk: &Chunk) {
         let Some(items) = &self.items else { return };
         let Self { passes, uniform, triangles, begins, occupied, sources, .. } = self;
-        let Items { refs, always, marks, survivors, lists, .. } = items;
+        let Items { refs, always, marks, drawn, stale, survivors, lists, .. } = items;
         let of_chunk = gpu.buffer("chunk", &[*chunk]);
         let group = |kernel: &Kernel, own: &[&wgpu::Buffer]| {
             gpu.group(&kernel.layouts[0], &own.iter().map(|b| b.as_entire_binding()).collect::<Vec<_>>())
@@ -337,13 +371,20 @@ impl Culler {
             }
         }
         recorder.clear(survivors);
-        let kept = group(&passes.survivors, &[uniform, &of_chunk, clusters, occupied, begins, refs, marks, survivors]);
-        let own = [uniform, &of_chunk, clusters, triangles, refs, always, survivors, lists, draws];
+        let reused = group(&passes.reuse, &[uniform, &of_chunk, clusters, &self.moved_buffer, marks, drawn, stale]);
+        let own = [uniform, &of_chunk, clusters, occupied, begins, refs, marks, survivors, stale];
+        let kept = group(&passes.survivors, &own);
+        let own = [uniform, &of_chunk, clusters, triangles, refs, always, survivors, lists, draws, stale];
         let listed = group(&passes.list, &own);
         let words = [self.values.item_words.div_ceil(64), chunk.count * chunk.sides, 1];
         recorder.computes(
             "survivors",
             &[
+                Step {
+                    kernel: &passes.reuse,
+                    groups: &[&reused],
+                    workgroups: [chunk.count * chunk.marked_sides, 1, 1],
+                },
                 Step { kernel: &passes.survivors, groups: &[&kept], workgroups: shared },
                 Step { kernel: &passes.list, groups: &[&listed], workgroups: words },
             ],
@@ -408,6 +449,8 @@ impl Items {
             pieces: gpu.zeros("pieces", if is_cut { 36 * refs } else { 0 }),
             always: gpu.zeros("unculled triangles", 4 * u64::from(values.item_words)),
             marks: gpu.zeros("marks", chunk * marked),
+            drawn: gpu.zeros("marks of maps", chunk * marked),
+            stale: gpu.zeros("stale sides", 4 * chunk * sides),
             survivors: gpu.zeros("survivors", chunk * sides * 4 * u64::from(values.item_words)),
             lists: gpu.zeros("lists of triangles", chunk * of_cluster),
             chunk: chunk as u32,

@@ -9,7 +9,7 @@ use glam::{DVec3, IVec3};
 
 use super::culling::{Clusters, Culler, GpuCluster, same_room};
 use super::passes::{MapRaster, Way, mapped_kernel};
-use super::scene::SceneBuffers;
+use super::scene::{DrawnPart, SceneBuffers};
 use super::targets::{DEPTH_FORMAT, Targets};
 use super::timing::Recorder;
 use super::{Gpu, Kernel};
@@ -83,6 +83,16 @@ pub(crate) struct Mapper {
     sheets: Option<Sheets>,
     /// Of the last sample: indirect draws, and lamps of each cluster.
     drawn: Option<(wgpu::Buffer, Vec<u32>)>,
+    /// The lamps whose maps are there, in the order of their tiles.
+    kept: Vec<Kept>,
+}
+
+/// A lamp whose map is there: which one, where it stood, and whether the map is of what moves alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Kept {
+    index: u32,
+    position_world: DVec3,
+    is_of_movers: bool,
 }
 
 /// Maps in tiles of the layers of a texture.
@@ -112,6 +122,13 @@ pub(crate) struct Stage<'a> {
     pub baked: &'a super::baked::Baked,
     pub lamps: &'a wgpu::Buffer,
     pub lists: &'a wgpu::Buffer,
+}
+
+impl Kept {
+    fn new(own: &Chosen<'_>) -> Self {
+        let Chosen { index, lamp, is_of_movers, .. } = *own;
+        Self { index, position_world: lamp.position_world, is_of_movers }
+    }
 }
 
 impl Sheets {
@@ -167,21 +184,28 @@ impl Mapper {
             lights: Vec::new(),
             sheets: None,
             drawn: None,
+            kept: Vec::new(),
         })
     }
 
     /// Whether it can draw maps in another way without being made anew; then it does from now on.
     pub fn turn_to(&mut self, how: &LampMaps) -> bool {
         let suits = same_room(&self.how, how) && how.batch == self.how.batch && how.check().is_ok();
-        if suits {
+        if suits && self.how != *how {
             self.how = how.clone();
+            self.kept.clear();
         }
         suits
     }
 
-    /// Notes that something has moved.
-    pub fn moved(&mut self) {
-        self.culler.moved();
+    /// Notes that something has moved from one box of the world to another.
+    pub fn moved(&mut self, boxes: [Bounds; 2]) {
+        self.culler.moved(boxes);
+    }
+
+    /// Notes that the lamps may be others.
+    pub fn forget(&mut self) {
+        self.kept.clear();
     }
 
     /// Gets ready for a frame.
@@ -196,6 +220,7 @@ impl Mapper {
         let at_once = how.lamps_at_once().min((lamps as u32).next_power_of_two());
         let tiles = at_once * how.projection.sides();
         if self.sheets.as_ref().is_none_or(|sheets| (sheets.of.0, sheets.of.2) != (how.size, tiles)) {
+            self.kept.clear();
             self.sheets = None;
             self.sheets = Some(Sheets::new(stage.gpu, how.size, tiles));
         }
@@ -207,17 +232,28 @@ impl Mapper {
         let Stage { gpu, scene, frame, targets, view, .. } = *stage;
         self.culler.bin(gpu, recorder, self.how.always_bin, scene, frame);
         self.culler.see(gpu, recorder, targets, frame);
+        self.culler.take_moved(gpu);
+        let kept = std::mem::take(&mut self.kept);
         let (Some(sheets), Some(items)) = (&self.sheets, self.culler.items()) else { return };
         let Self { how, culler, .. } = &*self;
         let sides = how.projection.sides();
         let at_once = (sheets.of.2 / sides) as usize;
         let (order, batches) = self.batches(chosen, at_once);
         let ranges: Vec<Range<usize>> = batches.iter().flat_map(|batch| batch.clusters.clone()).collect();
+        let now: Vec<Kept> = order.iter().map(Kept::new).collect();
+        let can_reuse = how.reuse
+            && matches!(how.culling, Culling::Voxels(_))
+            && batches.len() == 1
+            && ranges.len() <= items.chunk as usize;
+        let is_same = |(a, b): (&Kept, &Kept)| (a.index, a.is_of_movers) == (b.index, b.is_of_movers);
+        let reuses = can_reuse && kept.len() == now.len() && kept.iter().zip(&now).all(is_same);
         // Everything that is the same for all batches.
         let deepest = |corner: DVec3| (corner - view.eye).dot(view.forward);
         let (mut planes, mut clusters) = (Vec::new(), Vec::new());
         for range in &ranges {
-            clusters.push(self.cluster(&order[range.clone()], view, deepest, &mut planes));
+            let cluster = self.cluster(&order[range.clone()], view, deepest, &mut planes);
+            let stands_still = reuses && kept[range.clone()] == now[range.clone()];
+            clusters.push(GpuCluster { is_new: (!stands_still).into(), ..cluster });
         }
         let mapped: Vec<MappedLamp> = order
             .iter()
@@ -260,7 +296,7 @@ impl Mapper {
         for (i, (chunk, lamps, clusters)) in chunks.iter().enumerate() {
             culler.cull(gpu, recorder, how, &for_draws, chunk);
             let begins_batch = lamps.start % at_once == 0;
-            let drawn = DrawnChunk { lamps: lamps.clone(), clusters, first_cluster: chunk.first, begins_batch };
+            let drawn = DrawnChunk { lamps: lamps.clone(), clusters, first_cluster: chunk.first, begins_batch, reuses };
             self.draw_chunk(recorder, sheets, &drawn, [&geometry, &own, &side], &draws);
             let ends_batch = chunks.get(i + 1).is_none_or(|(_, next, _)| next.start % at_once == 0);
             if ends_batch {
@@ -270,6 +306,7 @@ impl Mapper {
         }
         let lamps_of = ranges.iter().map(|range| range.len() as u32).collect();
         self.drawn = Some((draws, lamps_of));
+        self.kept = if can_reuse { now } else { Vec::new() };
     }
 
     /// Lamps in order, and batches of their clusters. They are in Morton's order of their cells, which keeps blocks together
@@ -334,7 +371,7 @@ impl Mapper {
             first_plane,
             planes: planes.len() as u32 - first_plane,
             range_m: lamps.iter().map(|own| own.reach_m).fold(0.0, f64::max).min(1e18) as f32 * 1.001,
-            pad: 0,
+            is_new: 1,
         }
     }
 
@@ -356,12 +393,15 @@ impl Mapper {
             let first = (layer * sheets.tiles_per_layer()).max(begin);
             let last = ((layer + 1) * sheets.tiles_per_layer()).min(end);
             // A layer begins empty unless an earlier chunk of the batch has drawn into it.
+            // Where maps are kept, each side is cleared by a draw of its own.
             let is_new = chunk.begins_batch || first == layer * sheets.tiles_per_layer();
-            let load = if is_new { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+            let load = if is_new && !chunk.reuses { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
             recorder.draw("lamp maps", None, (&sheets.layers[layer as usize], load), |pass| {
                 pass.set_bind_group(0, geometry, &[]);
                 pass.set_bind_group(1, own, &[]);
-                for (pipeline, is_cut_out) in [(&self.raster.opaque, 0), (&self.raster.cut_out, 1)] {
+                let MapRaster { opaque, cut_out, clear, .. } = &self.raster;
+                let clear = chunk.reuses.then_some((clear, 2));
+                for (pipeline, kind) in clear.into_iter().chain([(opaque, 0), (cut_out, 1)]) {
                     pass.set_pipeline(pipeline);
                     for tile in first..last {
                         let lamp = chunk.lamps.start + ((tile - begin) / sides) as usize;
@@ -373,7 +413,7 @@ impl Mapper {
                         let row = lamp as u32 * sides + of_side;
                         pass.set_bind_group(2, side, &[row * size_of::<MapSide>() as u32]);
                         let cluster = chunk.first_cluster + cluster_of(lamp);
-                        let draw = 2 * (cluster * sides + of_side) + is_cut_out;
+                        let draw = DRAWS * (cluster * sides + of_side) + kind;
                         pass.draw_indirect(draws, 16 * u64::from(draw));
                     }
                 }
@@ -421,8 +461,9 @@ impl Mapper {
         let words: Vec<u32> = gpu.read(draws)?;
         let vertices = vertices(self.how.projection);
         let of_cluster = |(i, lamps): (usize, &u32)| {
-            let own = words.chunks(4).skip(2 * i * sides).take(2 * sides);
-            u64::from(*lamps) * own.map(|draw| u64::from(draw[0] / vertices)).sum::<u64>()
+            let own = words.chunks(4 * DRAWS as usize).skip(i * sides).take(sides);
+            let items = own.map(|draws| u64::from(draws[0] / vertices) + u64::from(draws[4] / vertices));
+            u64::from(*lamps) * items.sum::<u64>()
         };
         Ok(lamps.iter().enumerate().map(of_cluster).sum())
     }
@@ -435,6 +476,8 @@ struct DrawnChunk<'a> {
     clusters: &'a [Range<usize>],
     first_cluster: u32,
     begins_batch: bool,
+    /// Whether some of the maps are kept.
+    reuses: bool,
 }
 
 /// Vertices that a triangle is drawn with.
@@ -454,9 +497,12 @@ fn morton(cell: glam::Vec3) -> u64 {
     spread(at.x) | spread(at.y) << 1 | spread(at.z) << 2
 }
 
-/// Two draws for each side of nothing yet.
+/// Indirect draws of a side: opaque triangles, cut-out ones, and one that clears it.
+const DRAWS: u32 = 3;
+
+/// The draws of each side, of nothing yet.
 fn indirect_draws(gpu: &Gpu, sides: u32) -> wgpu::Buffer {
-    let none: Vec<[u32; 4]> = vec![[0, 1, 0, 0]; 2 * sides as usize];
+    let none: Vec<[u32; 4]> = vec![[0, 1, 0, 0]; (DRAWS * sides) as usize];
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC;
     let contents = bytemuck::cast_slice(&none);
     let descriptor = wgpu::util::BufferInitDescriptor { label: Some("draws"), contents, usage };
@@ -497,7 +543,9 @@ pub(crate) fn chosen<'a>(
 ) -> Vec<Chosen<'a>> {
     let is_met = |lamp: &Lamp, reach_m: f64| {
         let movers = scene.parts.iter().filter(|part| part.is_dynamic && part.vertices > 0);
-        movers.clone().any(|part| (part.center - lamp.position_world).length() <= part.radius_m + reach_m)
+        movers
+            .map(DrawnPart::sphere)
+            .any(|(center, radius_m)| (center - lamp.position_world).length() <= radius_m + reach_m)
     };
     let chosen = |(i, lamp): (usize, &'a Lamp)| {
         let (is_of_movers, reach_m) = (is_baked(i), lamp.reach_m(least));

@@ -184,6 +184,7 @@ pub(crate) fn culling_sources(marking: u32, projection: MapProjection) -> Vec<(&
         ("cells", clusters(include_str!("../passes/culling/cells.wgsl"))),
         ("mark", clusters(include_str!("../passes/culling/mark.wgsl"))),
         ("frusta", clusters(include_str!("../passes/culling/frusta.wgsl"))),
+        ("reuse", clusters(include_str!("../passes/culling/reuse.wgsl"))),
         ("survivors", clusters(include_str!("../passes/culling/survivors.wgsl"))),
         ("list", clusters(include_str!("../passes/culling/list.wgsl"))),
         ("lamp map", [FRAME, GEOMETRY, GRID, MAP_TARGET, target].concat()),
@@ -215,6 +216,7 @@ pub(crate) struct CullPasses {
     pub cells: Kernel,
     pub mark: Kernel,
     pub frusta: Kernel,
+    pub reuse: Kernel,
     pub survivors: Kernel,
     pub list: Kernel,
 }
@@ -232,8 +234,9 @@ impl CullPasses {
             cells: kernel("cells", &[&[Read, Read, Read, Write, Write]]),
             mark: kernel("mark", &[&[Read, Read, Read, Read, Write]]),
             frusta: kernel("frusta", &[&[Read, Read, Read, Read, Read, Write]]),
-            survivors: kernel("survivors", &[&[Read, Read, Read, Read, Read, Read, Read, Write]]),
-            list: kernel("list", &[&[Read, Read, Read, Read, Read, Read, Read, Write, Write]]),
+            reuse: kernel("reuse", &[&[Read, Read, Read, Read, Read, Write, Write]]),
+            survivors: kernel("survivors", &[&[Read, Read, Read, Read, Read, Read, Read, Write, Read]]),
+            list: kernel("list", &[&[Read, Read, Read, Read, Read, Read, Read, Write, Write, Read]]),
         }
     }
 }
@@ -244,6 +247,8 @@ pub(crate) struct MapRaster {
     pub layouts: [wgpu::BindGroupLayout; 3],
     pub opaque: wgpu::RenderPipeline,
     pub cut_out: wgpu::RenderPipeline,
+    /// Clears a side.
+    pub clear: wgpu::RenderPipeline,
 }
 
 impl MapRaster {
@@ -260,7 +265,9 @@ impl MapRaster {
         let opaque = (projection == MapProjection::Paraboloid).then_some("opaque");
         let opaque = make.pipeline("corner", opaque, &[]);
         let cut_out = make.pipeline("corner_cut_out", Some("cut_out"), &[]);
-        Self { layouts, opaque, cut_out }
+        let make = Pipelines { nearer: wgpu::CompareFunction::Always, ..make };
+        let clear = make.pipeline("everything", None, &[]);
+        Self { layouts, opaque, cut_out, clear }
     }
 }
 
@@ -553,7 +560,7 @@ mod tests {
                         offsets!(CullGrid: cells_per_m side eye triangles most_refs item_words binning most_cells
                         hair pad_0 pad_1 pad_2),
                     ),
-                    ("Cluster", offsets!(GpuCluster: low reach high is_of_movers first_plane planes range_m pad)),
+                    ("Cluster", offsets!(GpuCluster: low reach high is_of_movers first_plane planes range_m is_new)),
                     ("Chunk", offsets!(Chunk: first count sides marked_sides border culling pad_0 pad_1)),
                     (
                         "MapSide",
@@ -573,6 +580,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(found, [72, 30, 30, 6, 2, 2]);
+        assert_eq!(found, [78, 36, 36, 6, 2, 2]);
     }
 }

@@ -211,6 +211,7 @@ impl GpuRenderer {
     pub fn relight(&mut self, setting: Setting<'_>) -> Result<(), RenderError> {
         self.lit = lit(&self.gpu, &self.scene, setting)?;
         self.lists = None;
+        self.mapper.iter_mut().for_each(Mapper::forget);
         Ok(())
     }
 
@@ -408,9 +409,13 @@ impl GpuRenderer {
     /// Baked shadows move only with nodes that are dynamic.
     pub fn move_node(&mut self, node: usize, world_from_mesh: DAffine3) {
         if let Some(moved) = self.nodes.get_mut(node) {
+            if moved.world_from_mesh == world_from_mesh {
+                return;
+            }
             moved.world_from_mesh = world_from_mesh;
-            self.buffers.moved(&self.scene, node, moved);
-            self.mapper.iter_mut().for_each(Mapper::moved);
+            for boxes in self.buffers.moved(&self.scene, node, moved) {
+                self.mapper.iter_mut().for_each(|mapper| mapper.moved(boxes));
+            }
         }
     }
 

@@ -37,9 +37,16 @@ pub(crate) struct DrawnPart {
     /// Whether its node moves.
     pub is_dynamic: bool,
     pub node: usize,
-    /// A sphere about it, world, metres.
-    pub center: DVec3,
-    pub radius_m: f64,
+    /// A box about it, world, metres; empty without triangles.
+    pub bounds: Bounds,
+}
+
+impl DrawnPart {
+    /// A sphere about it: middle and radius.
+    pub fn sphere(&self) -> (DVec3, f64) {
+        let bounds = &self.bounds;
+        (if bounds.is_empty() { DVec3::ZERO } else { bounds.center() }, 0.5 * bounds.diagonal())
+    }
 }
 
 /// Bindings of `geometry.wgsl`: the frame comes first.
@@ -94,12 +101,14 @@ impl SceneBuffers {
         }
     }
 
-    /// Notes that a node has moved.
-    pub fn moved(&mut self, scene: &Scene, number: usize, node: &Node) {
+    /// Notes that a node has moved; returns the boxes about each of its parts before and after.
+    pub fn moved(&mut self, scene: &Scene, number: usize, node: &Node) -> Vec<[Bounds; 2]> {
         let own = self.parts.iter_mut().filter(|part| part.node == number);
-        for (part, primitive) in own.zip(&scene.meshes[node.mesh].primitives) {
-            (part.center, part.radius_m) = sphere(primitive, node);
-        }
+        let moved = |(part, primitive): (&mut DrawnPart, &Primitive)| {
+            let before = std::mem::replace(&mut part.bounds, bounds(primitive, node));
+            [before, part.bounds]
+        };
+        own.zip(&scene.meshes[node.mesh].primitives).map(moved).collect()
     }
 
     /// The bindings of `geometry.wgsl`.
@@ -163,11 +172,11 @@ impl Words {
     }
 }
 
-/// A sphere about a primitive where a node places it.
-fn sphere(primitive: &Primitive, node: &Node) -> (DVec3, f64) {
+/// A box about a primitive where a node places it.
+fn bounds(primitive: &Primitive, node: &Node) -> Bounds {
     let mut bounds = Bounds::EMPTY;
     primitive.positions.iter().for_each(|p| bounds.insert(node.world_point(*p)));
-    (if bounds.is_empty() { DVec3::ZERO } else { bounds.center() }, 0.5 * bounds.diagonal())
+    bounds
 }
 
 /// The table of parts, and how to draw them.
@@ -180,7 +189,6 @@ fn part_rows(scene: &Scene, placed: &[Vec<Placed>]) -> (Vec<u32>, Vec<DrawnPart>
             let index = primitive.material.unwrap_or(default_material);
             let alpha = scene.material(primitive).alpha_mode;
             let triangles = primitive.triangles.len() as u32;
-            let (center, radius_m) = sphere(primitive, node);
             rows.extend([at.first_index, at.first_vertex, at.normals, at.texcoords, at.colors]);
             rows.extend([index as u32, n as u32, first_triangle, 0, 0, 0, 0]);
             parts.push(DrawnPart {
@@ -189,8 +197,7 @@ fn part_rows(scene: &Scene, placed: &[Vec<Placed>]) -> (Vec<u32>, Vec<DrawnPart>
                 is_translucent: alpha == AlphaMode::Blend,
                 is_dynamic: node.dynamic,
                 node: n,
-                center,
-                radius_m,
+                bounds: bounds(primitive, node),
             });
             first_triangle = first_triangle.wrapping_add(triangles);
         }

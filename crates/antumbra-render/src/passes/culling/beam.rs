@@ -33,6 +33,12 @@ impl Marks {
         Self { words: vec![0; grid.cells().div_ceil(32)] }
     }
 
+    /// 32 cells to a word, in the order of their numbers.
+    #[must_use]
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+
     /// Marks a cell, given its number.
     pub fn set(&mut self, cell: usize) {
         self.words[cell / 32] |= 1 << (cell % 32);

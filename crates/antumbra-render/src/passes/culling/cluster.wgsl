@@ -12,7 +12,8 @@ struct Cluster {
     planes: u32,
     // No light is farther from what it lights, metres.
     range_m: f32,
-    pad: u32,
+    // Whether its lights' maps need drawing in any case.
+    is_new: u32,
 }
 
 // The clusters at work.

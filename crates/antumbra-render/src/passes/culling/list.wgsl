@@ -9,8 +9,11 @@
 @group(0) @binding(5) var<storage, read> always: array<u32>;
 @group(0) @binding(6) var<storage, read> survivors: array<u32>;
 @group(0) @binding(7) var<storage, read_write> lists: array<u32>;
-// By cluster and side, two indirect draws: number of vertices, instances, first vertex, first instance.
+// By cluster and side, three indirect draws: of opaque items, of cut-out ones, and of what clears the side first. Each is a number
+// of vertices, instances, first vertex, first instance.
 @group(0) @binding(8) var<storage, read_write> draws: array<atomic<u32>>;
+
+@group(0) @binding(9) var<storage, read> stale: array<u32>;
 
 var<workgroup> opaque_sums: array<u32, 64>;
 var<workgroup> cut_out_sums: array<u32, 64>;
@@ -35,6 +38,10 @@ fn kind_of(item: u32, is_of_movers: u32) -> vec2<bool> {
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let side = group.y;
     let word = group.x * 64u + lane;
+    // Of the whole workgroup.
+    if stale[side] == 0u {
+        return;
+    }
     let is_of_movers = clusters[chunk.first + side / chunk.sides].is_of_movers;
     var opaque = 0u;
     var cut_out = 0u;
@@ -62,9 +69,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         workgroupBarrier();
     }
     if lane == 63u {
-        let at = 8u * (chunk.first * chunk.sides + side);
+        let at = 12u * (chunk.first * chunk.sides + side);
         opaque_first = atomicAdd(&draws[at], VERTICES * opaque_sums[63]) / VERTICES;
         cut_out_first = atomicAdd(&draws[at + 4u], VERTICES * cut_out_sums[63]) / VERTICES;
+        atomicStore(&draws[at + 8u], 3u);
     }
     workgroupBarrier();
     let most = 32u * grid.item_words;

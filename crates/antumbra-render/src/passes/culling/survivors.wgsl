@@ -9,10 +9,14 @@
 @group(0) @binding(6) var<storage, read> marks: array<u32>;
 // By cluster, side and item.
 @group(0) @binding(7) var<storage, read_write> survivors: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read> stale: array<u32>;
 
 fn sides_to_draw(cluster: u32, number: u32) -> u32 {
-    let all = (1u << chunk.sides) - 1u;
-    if chunk.culling == NO_CULLING {
+    var all = 0u;
+    for (var side = 0u; side < chunk.sides; side++) {
+        all |= stale[cluster * chunk.sides + side] << side;
+    }
+    if all == 0u || chunk.culling == NO_CULLING {
         return all;
     }
     let words = (grid.side * grid.side * grid.side + 31u) / 32u;
@@ -24,6 +28,7 @@ fn sides_to_draw(cluster: u32, number: u32) -> u32 {
     if chunk.marked_sides == 1u {
         sides = select(0u, all, sides != 0u);
     }
+    sides &= all;
     if sides == 0u {
         return 0u;
     }

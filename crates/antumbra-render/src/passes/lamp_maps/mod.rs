@@ -41,6 +41,9 @@ pub struct LampMaps {
     pub batch: u32,
     /// Whether triangles are sorted into the grid for every frame, though nothing has moved: to time it.
     pub always_bin: bool,
+    /// Whether a map is kept while its lamp stands still, nothing moves in its marked cells, and no others become marked. It takes voxel
+    /// culling, and room for the maps of all lamps at once.
+    pub reuse: bool,
 }
 
 /// How the directions around a lamp become the texels of its map.
@@ -112,6 +115,7 @@ impl Default for LampMaps {
             budget_bytes: 256 << 20,
             batch: 16,
             always_bin: false,
+            reuse: true,
         }
     }
 }

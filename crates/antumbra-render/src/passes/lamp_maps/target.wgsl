@@ -23,11 +23,10 @@ struct MapSide {
 
 @group(2) @binding(0) var<storage, read> target_: MapSide;
 
-// A triangle to draw, or a piece of one: corners relative to the lamp.
-struct Item {
-    corners: array<vec3<f32>, 3>,
-    triangle: u32,
-    is_piece: bool,
+// Covers a side, infinitely far away.
+@vertex
+fn everything(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    return vec4(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
 fn corner_of(triangle: u32, i: u32) -> vec3<f32> {
