@@ -44,6 +44,10 @@ pub(crate) struct GpuCluster {
     pub planes: u32,
     pub range_m: f32,
     pub is_new: u32,
+    pub border: f32,
+    pub pad_0: u32,
+    pub pad_1: u32,
+    pub pad_2: u32,
 }
 
 /// The struct `Chunk` of `cluster.wgsl`.
@@ -54,10 +58,10 @@ pub(crate) struct Chunk {
     pub count: u32,
     pub sides: u32,
     pub marked_sides: u32,
-    pub border: f32,
     pub culling: u32,
     pub pad_0: u32,
     pub pad_1: u32,
+    pub pad_2: u32,
 }
 
 /// Bytes of lists of triangles at a time: clusters that need more come in chunks.
@@ -398,7 +402,6 @@ impl Culler {
             count,
             sides: how.projection.sides(),
             marked_sides: marked_sides(how),
-            border: how.shape().border_slope() as f32,
             culling: match how.culling {
                 Culling::None => 0,
                 Culling::Frusta => 1,
@@ -406,6 +409,7 @@ impl Culler {
             },
             pad_0: 0,
             pad_1: 0,
+            pad_2: 0,
         }
     }
 

@@ -17,7 +17,7 @@ use crate::RenderError;
 use crate::camera::View;
 use crate::culling::Hull;
 use crate::light::Lamp;
-use crate::passes::lamp_maps::{Clustering, Culling, LampMaps, MapProjection};
+use crate::passes::lamp_maps::{Clustering, Culling, LampMaps, MapProjection, Shape};
 
 /// The struct `MappedLamp` of `map.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -71,6 +71,8 @@ pub(crate) struct Chosen<'a> {
     pub is_of_movers: bool,
     /// It lights nothing farther away.
     pub reach_m: f64,
+    /// Its map.
+    pub shape: Shape,
 }
 
 /// What lamps' maps need on the card.
@@ -93,6 +95,7 @@ struct Kept {
     index: u32,
     position_world: DVec3,
     is_of_movers: bool,
+    shape: Shape,
 }
 
 /// Maps in tiles of the layers of a texture.
@@ -126,8 +129,8 @@ pub(crate) struct Stage<'a> {
 
 impl Kept {
     fn new(own: &Chosen<'_>) -> Self {
-        let Chosen { index, lamp, is_of_movers, .. } = *own;
-        Self { index, position_world: lamp.position_world, is_of_movers }
+        let Chosen { index, lamp, is_of_movers, shape, .. } = *own;
+        Self { index, position_world: lamp.position_world, is_of_movers, shape }
     }
 }
 
@@ -261,7 +264,7 @@ impl Mapper {
             .map(|(i, own)| MappedLamp {
                 lamp: own.index,
                 first_tile: (i % at_once) as u32 * sides,
-                size: how.size as f32,
+                size: own.shape.size() as f32,
                 near_m: own.lamp.near_m as f32,
             })
             .collect();
@@ -273,7 +276,9 @@ impl Mapper {
                     for lamp in range.clone() {
                         let tile = mapped[lamp].first_tile;
                         let of_lamp = |side| {
-                            map_side(how, sheets, order[lamp].lamp, view, tile + side, side, place, items.list_len)
+                            let begin = (place * sides + side) * items.list_len;
+                            let list = begin..begin + items.list_len;
+                            map_side(&order[lamp], view, sheets.place(tile + side).1, side, list)
                         };
                         sides_drawn.extend((0..sides).map(of_lamp));
                     }
@@ -296,7 +301,14 @@ impl Mapper {
         for (i, (chunk, lamps, clusters)) in chunks.iter().enumerate() {
             culler.cull(gpu, recorder, how, &for_draws, chunk);
             let begins_batch = lamps.start % at_once == 0;
-            let drawn = DrawnChunk { lamps: lamps.clone(), clusters, first_cluster: chunk.first, begins_batch, reuses };
+            let drawn = DrawnChunk {
+                order: &order,
+                lamps: lamps.clone(),
+                clusters,
+                first_cluster: chunk.first,
+                begins_batch,
+                reuses,
+            };
             self.draw_chunk(recorder, sheets, &drawn, [&geometry, &own, &side], &draws);
             let ends_batch = chunks.get(i + 1).is_none_or(|(_, next, _)| next.start % at_once == 0);
             if ends_batch {
@@ -365,13 +377,17 @@ impl Mapper {
         }
         GpuCluster {
             low: low.to_array(),
-            reach: how.shape().footprint().per_m as f32,
+            reach: lamps.iter().map(|own| own.shape.footprint().per_m).fold(0.0, f64::max) as f32,
+            border: lamps.iter().map(|own| own.shape.border_slope()).fold(0.0, f64::max) as f32,
             high: high.to_array(),
             is_of_movers: lamps.iter().all(|own| own.is_of_movers).into(),
             first_plane,
             planes: planes.len() as u32 - first_plane,
             range_m: lamps.iter().map(|own| own.reach_m).fold(0.0, f64::max).min(1e18) as f32 * 1.001,
             is_new: 1,
+            pad_0: 0,
+            pad_1: 0,
+            pad_2: 0,
         }
     }
 
@@ -407,7 +423,7 @@ impl Mapper {
                         let lamp = chunk.lamps.start + ((tile - begin) / sides) as usize;
                         let of_side = tile % sides;
                         let (_, [x, y]) = sheets.place(tile);
-                        let size = self.how.size;
+                        let size = chunk.order[lamp].shape.size();
                         pass.set_viewport(x as f32, y as f32, size as f32, size as f32, 0.0, 1.0);
                         pass.set_scissor_rect(x, y, size, size);
                         let row = lamp as u32 * sides + of_side;
@@ -437,7 +453,7 @@ impl Mapper {
             count: lamps.len() as u32,
             tiles: sheets.of.1,
             tile_size: sheets.of.0,
-            border: self.how.shape().border() as f32,
+            border: (self.how.filter.radius() + 1) as f32,
             radius: self.how.filter.radius(),
             kernel: u32::from(self.how.filter.kernel() == FilterKernel::Tent),
             pad: 0,
@@ -471,6 +487,7 @@ impl Mapper {
 
 /// Some clusters' maps.
 struct DrawnChunk<'a> {
+    order: &'a [Chosen<'a>],
     lamps: Range<usize>,
     /// Which of the lamps belong to each.
     clusters: &'a [Range<usize>],
@@ -509,26 +526,17 @@ fn indirect_draws(gpu: &Gpu, sides: u32) -> wgpu::Buffer {
     wgpu::util::DeviceExt::create_buffer_init(&gpu.device, &descriptor)
 }
 
-fn map_side(
-    how: &LampMaps,
-    sheets: &Sheets,
-    lamp: &Lamp,
-    view: &View,
-    tile: u32,
-    side: u32,
-    place: u32,
-    list_len: u32,
-) -> MapSide {
-    let begin = (place * how.projection.sides() + side) * list_len;
+/// A side of a lamp's map, from its upper left texel on, drawn from a list.
+fn map_side(own: &Chosen<'_>, view: &View, origin: [u32; 2], side: u32, list: Range<u32>) -> MapSide {
     MapSide {
-        light: (lamp.position_world - view.eye).as_vec3().to_array(),
-        near_m: lamp.near_m as f32,
-        origin: sheets.place(tile).1.map(|at| at as f32),
-        size: how.size as f32,
-        scale: how.shape().scale() as f32,
+        light: (own.lamp.position_world - view.eye).as_vec3().to_array(),
+        near_m: own.lamp.near_m as f32,
+        origin: origin.map(|at| at as f32),
+        size: own.shape.size() as f32,
+        scale: own.shape.scale() as f32,
         side,
-        begin,
-        end: begin + list_len,
+        begin: list.start,
+        end: list.end,
         pad: 0,
         room: [0; 52],
     }
@@ -540,6 +548,7 @@ pub(crate) fn chosen<'a>(
     is_baked: impl Fn(usize) -> bool,
     least: f32,
     scene: &SceneBuffers,
+    (how, view): (&LampMaps, &View),
 ) -> Vec<Chosen<'a>> {
     let is_met = |lamp: &Lamp, reach_m: f64| {
         let movers = scene.parts.iter().filter(|part| part.is_dynamic && part.vertices > 0);
@@ -550,7 +559,11 @@ pub(crate) fn chosen<'a>(
     let chosen = |(i, lamp): (usize, &'a Lamp)| {
         let (is_of_movers, reach_m) = (is_baked(i), lamp.reach_m(least));
         let is_needed = !is_of_movers || is_met(lamp, reach_m);
-        is_needed.then_some(Chosen { index: i as u32, lamp, is_of_movers, reach_m })
+        is_needed.then(|| {
+            let distance_m = (lamp.position_world - view.eye).length();
+            let shape = how.shape(reach_m, distance_m, view.pixel_size);
+            Chosen { index: i as u32, lamp, is_of_movers, reach_m, shape }
+        })
     };
     lamps.iter().enumerate().filter_map(chosen).collect()
 }
@@ -592,7 +605,7 @@ mod tests {
             let setting = Setting { lights, time: Some(Time::Night), has_lamp_maps: true, ..Setting::default() };
             let mut renderer = GpuRenderer::new(&gpu, Arc::clone(&scene), setting).expect("a renderer");
             let how = LampMaps { culling: Culling::Voxels(marking), binning, size: 256, ..LampMaps::default() };
-            let footprint = how.shape().footprint();
+            let footprint = how.shape(f64::INFINITY, 0.0, 1.0).footprint();
             let options = RenderOptions {
                 width: 96,
                 height: 54,

@@ -560,8 +560,12 @@ mod tests {
                         offsets!(CullGrid: cells_per_m side eye triangles most_refs item_words binning most_cells
                         hair pad_0 pad_1 pad_2),
                     ),
-                    ("Cluster", offsets!(GpuCluster: low reach high is_of_movers first_plane planes range_m is_new)),
-                    ("Chunk", offsets!(Chunk: first count sides marked_sides border culling pad_0 pad_1)),
+                    (
+                        "Cluster",
+                        offsets!(GpuCluster: low reach high is_of_movers first_plane planes range_m is_new
+                        border pad_0 pad_1 pad_2),
+                    ),
+                    ("Chunk", offsets!(Chunk: first count sides marked_sides culling pad_0 pad_1 pad_2)),
                     (
                         "MapSide",
                         (

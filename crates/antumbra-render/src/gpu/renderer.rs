@@ -298,7 +298,7 @@ impl GpuRenderer {
     pub(crate) fn light(&mut self, view: &View, samples: u32, lookup: Lookup) -> Result<(), RenderError> {
         self.timer.begin_frame();
         self.buffers.place(&self.gpu, &self.nodes, view.eye);
-        self.lit.see_from(&self.gpu, view.eye, &self.is_mapped());
+        self.lit.see_from(&self.gpu, view.eye, &self.is_mapped(view));
         for sample in 0..samples {
             let mut frame = Frame::new(view, &self.lit.lighting, sample, samples, r2(sample));
             set_lookup(&mut frame, lookup);
@@ -340,24 +340,22 @@ impl GpuRenderer {
     }
 
     /// By lamp: whether its shadows come from a map.
-    fn is_mapped(&self) -> Vec<bool> {
+    fn is_mapped(&self, view: &View) -> Vec<bool> {
         let mut is_mapped = vec![false; self.lit.numbers.len()];
-        self.chosen().iter().for_each(|own| is_mapped[own.index as usize] = true);
+        self.chosen(view).iter().for_each(|own| is_mapped[own.index as usize] = true);
         is_mapped
     }
 
     /// The lamps that maps are drawn of.
-    fn chosen(&self) -> Vec<Chosen<'_>> {
-        if self.lamp_maps.is_none() {
-            return Vec::new();
-        }
+    fn chosen(&self, view: &View) -> Vec<Chosen<'_>> {
+        let Some(how) = &self.lamp_maps else { return Vec::new() };
         let Lit { lighting, numbers, .. } = &self.lit;
-        chosen(lighting.lamps.all(), |lamp| numbers[lamp].is_some(), lighting.lamps.least, &self.buffers)
+        chosen(lighting.lamps.all(), |lamp| numbers[lamp].is_some(), lighting.lamps.least, &self.buffers, (how, view))
     }
 
     /// Gets ready for lamps' maps, as a view sees them.
     fn begin_mapper(&mut self, view: &View, way: Way) -> Result<(), RenderError> {
-        let count = self.chosen().len();
+        let count = self.chosen(view).len();
         let Some(how) = self.lamp_maps.as_ref().filter(|_| count > 0) else { return Ok(()) };
         if !self.mapper.as_mut().is_some_and(|mapper| mapper.turn_to(how)) {
             self.mapper = None;
@@ -382,7 +380,7 @@ impl GpuRenderer {
 
     /// Records a sample's light of the lamps that have maps.
     fn draw_mapped(&self, recorder: &mut Recorder<'_>, mapper: &mut Mapper, view: &View, way: Way) {
-        let chosen = self.chosen();
+        let chosen = self.chosen(view);
         if let Some(stage) = self.stage(view, way).filter(|_| !chosen.is_empty()) {
             mapper.draw(recorder, &stage, &chosen);
         }

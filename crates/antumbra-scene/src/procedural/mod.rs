@@ -9,12 +9,15 @@ mod city;
 mod foliage;
 mod hairball;
 mod landscape;
+mod market;
 mod noise;
 mod palace;
 mod palette;
+mod props;
 mod rng;
 mod ruins;
 mod screen;
+mod shapes;
 mod sheets;
 mod solids;
 mod textures;
@@ -87,7 +90,7 @@ struct Recipe {
     build: fn(&Options) -> Scene,
 }
 
-static SCENES: [Recipe; 11] = [
+static SCENES: [Recipe; 12] = [
     Recipe {
         name: "cellar",
         summary: "a palace's wine cellar in the light of a caged lantern next door: about 200,000 triangles",
@@ -129,6 +132,12 @@ static SCENES: [Recipe; 11] = [
         summary: "mountains, valleys and a lake: about two million triangles, one closed solid",
         takes_lamps: false,
         build: landscape::build,
+    },
+    Recipe {
+        name: "market",
+        summary: "a night market on a foggy square: moving lanterns and people, lamps, a screen, the moon",
+        takes_lamps: false,
+        build: market::build,
     },
     Recipe {
         name: "room",

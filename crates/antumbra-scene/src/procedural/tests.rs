@@ -1,6 +1,7 @@
 //! Every procedural scene is sound, complete, and the same every time; all but the ruins are closed.
 
 mod lights;
+mod market;
 mod palace;
 mod ruins;
 
@@ -12,8 +13,8 @@ use super::{NAMES, Options, ProceduralError, build};
 use crate::model::{Mesh, Scene};
 
 /// The scenes that are made of closed solids.
-const CLOSED: [&str; 10] =
-    ["cellar", "city", "door", "flag", "grille", "hairball", "landscape", "room", "screen", "village"];
+const CLOSED: [&str; 11] =
+    ["cellar", "city", "door", "flag", "grille", "hairball", "landscape", "market", "room", "screen", "village"];
 
 /// The scenes that are set in the palace.
 const PALACE: [&str; 5] = ["cellar", "door", "flag", "grille", "room"];
@@ -162,6 +163,7 @@ fn whole_size_scenes_are_sound_and_of_the_promised_size() {
         ("grille", 100_000, 250_000),
         ("hairball", 340_000, 370_000),
         ("landscape", 1_900_000, 2_100_000),
+        ("market", 150_000, 200_000),
         ("room", 100_000, 250_000),
         ("ruins", 150_000, 210_000),
         ("screen", 15_000, 60_000),
@@ -186,7 +188,7 @@ fn small_scenes_are_small_but_not_empty() {
     let triangles = scene("city", 1, 0.1).triangle_count();
     assert!((1_000..60_000).contains(&triangles), "{triangles} triangles");
     assert!(scene("landscape", 1, 0.05).triangle_count() < 10_000);
-    for name in ["ruins", "village"].into_iter().chain(PALACE) {
+    for name in ["market", "ruins", "village"].into_iter().chain(PALACE) {
         let triangles = scene(name, 1, 0.1).triangle_count();
         assert!((1_000..60_000).contains(&triangles), "{name}: {triangles} triangles");
     }
@@ -212,6 +214,7 @@ fn scenes_stay_as_they_are() {
         ("grille", 0x2302_7fb2_8b20_bcf4),
         ("hairball", 0xc2e0_c043_d885_9109),
         ("landscape", 0xd247_b9b7_0d65_eb5e),
+        ("market", 0xdd15_dc85_71a1_dcb1),
         ("room", 0x2968_cf55_2bd8_0424),
         ("ruins", 0xba57_dfcb_6680_b884),
         ("screen", 0x3c3f_6571_cc4c_a010),
@@ -231,7 +234,7 @@ fn bad_requests_are_refused_with_a_reason() {
         assert!(matches!(error, ProceduralError::Scale { .. }));
     }
     let lamps = |lamps: u32| Options { lamps, ..Options::default() };
-    for name in ["hairball", "landscape", "ruins", "screen", "village"].into_iter().chain(PALACE) {
+    for name in ["hairball", "landscape", "market", "ruins", "screen", "village"].into_iter().chain(PALACE) {
         let error = build(name, &lamps(1)).expect_err("no lamps");
         assert!(error.to_string().contains(name), "{error}");
     }

@@ -58,6 +58,23 @@ fn dynamic_is_inherited() {
 }
 
 #[test]
+fn lights_inherit_dynamic_too() {
+    let mut glb = Glb::triangle();
+    glb.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    let shines = json!({ "KHR_lights_punctual": { "light": 0 } });
+    glb.json["nodes"] = json!([
+        { "children": [1], "extras": { "antumbra": "dynamic" } },
+        { "children": [2], "mesh": 0 },
+        { "name": "carried", "extensions": shines },
+        { "name": "own", "extensions": shines, "extras": { "antumbra": "dynamic" } },
+        { "name": "still", "extensions": shines, "extras": { "antumbra": "static" } },
+    ]);
+    let scene = glb.load();
+    let lights: Vec<_> = scene.lights.iter().map(|l| (l.name.as_str(), l.dynamic)).collect();
+    assert_eq!(lights, [("carried", true), ("own", true), ("still", false)]);
+}
+
+#[test]
 fn cycles_and_shared_children_are_errors() {
     let mut glb = Glb::triangle();
     for (nodes, scenes) in [

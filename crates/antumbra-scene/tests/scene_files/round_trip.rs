@@ -73,7 +73,7 @@ fn sample() -> Scene {
         images: vec![Image { name: "p".to_owned(), width: 2, height: 1, rgba: vec![1, 2, 3, 4, 250, 251, 252, 253] }],
         lights: vec![
             light("sun", LightKind::Directional),
-            light("lamp", LightKind::Point),
+            Light { dynamic: true, ..light("lamp", LightKind::Point) },
             light("spot", LightKind::Spot { inner_angle: 0.1, outer_angle: 0.7 }),
         ],
         area_lights: vec![AreaLight {
@@ -134,7 +134,7 @@ fn everything_comes_back() {
     for (a, b) in back.lights.iter().zip(&scene.lights) {
         assert_eq!(a.direction_world, b.direction_world);
         same((&a.name, a.kind, a.position_world, a.color), (&b.name, b.kind, b.position_world, b.color));
-        same((a.intensity, a.range_m), (b.intensity, b.range_m));
+        same((a.intensity, a.range_m, a.dynamic), (b.intensity, b.range_m, b.dynamic));
     }
     assert_eq!(to_glb(&scene).expect("writes"), to_glb(&back).expect("writes"));
 }
@@ -195,7 +195,7 @@ fn scenes_that_break_the_model_are_refused() {
 
 #[test]
 fn procedural_scenes_come_back() {
-    for (name, lamps) in [("ruins", 0), ("village", 0), ("city", 7)] {
+    for (name, lamps) in [("ruins", 0), ("village", 0), ("market", 0), ("city", 7)] {
         let options = Options { scale: 0.1, lamps, ..Options::default() };
         let scene = build(name, &options).expect("a scene");
         let back = load_glb_slice(&to_glb(&scene).expect("writes"), name).expect("loads");

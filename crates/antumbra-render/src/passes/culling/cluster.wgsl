@@ -14,6 +14,11 @@ struct Cluster {
     range_m: f32,
     // Whether its lights' maps need drawing in any case.
     is_new: u32,
+    // Slope beyond its border that a side of a map still shows.
+    border: f32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
 }
 
 // The clusters at work.
@@ -24,12 +29,11 @@ struct Chunk {
     sides: u32,
     // Sides that marks are kept for: as many, or one for all.
     marked_sides: u32,
-    // Slope beyond its border that a side of a map still shows.
-    border: f32,
     // NO_CULLING, FRUSTA or VOXELS.
     culling: u32,
     pad_0: u32,
     pad_1: u32,
+    pad_2: u32,
 }
 
 const NO_CULLING: u32 = 0u;

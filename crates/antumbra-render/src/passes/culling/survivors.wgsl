@@ -35,7 +35,8 @@ fn sides_to_draw(cluster: u32, number: u32) -> u32 {
     let cell = vec3<f32>(cell_of(grid, number));
     let low = cell - grid.hair;
     let high = cell + 1.0 + grid.hair;
-    return sides & sides_of(grid.cells_per_m, low, high, clusters[chunk.first + cluster], chunk.sides, chunk.border);
+    let own = clusters[chunk.first + cluster];
+    return sides & sides_of(grid.cells_per_m, low, high, own, chunk.sides, own.border);
 }
 
 var<workgroup> cells: array<u32, 32>;

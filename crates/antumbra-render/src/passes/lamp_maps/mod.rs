@@ -23,8 +23,12 @@ use crate::culling::{Binning, Footprint, Grid};
 pub struct LampMaps {
     /// How directions become texels.
     pub projection: MapProjection,
-    /// Texels per side of a cube's face or of a paraboloid, 64 to 4096.
+    /// Texels per side of a cube's face or of a paraboloid at most, 64 to 4096.
     pub size: u32,
+    /// Whether lamps far from the camera have smaller maps: of the least power of two whose texels are no larger than pixels are,
+    /// where the lamp's light comes nearest to the camera (after Olsson, Billeter, Sintorn, Kämpe, Assarsson 2015, *More efficient
+    /// virtual shadow maps for many lights*).
+    pub adaptive: bool,
     /// Taps of a lookup.
     pub filter: Filter,
     /// Which triangles are left to draw.
@@ -107,6 +111,7 @@ impl Default for LampMaps {
         Self {
             projection: MapProjection::default(),
             size: 512,
+            adaptive: true,
             filter: Filter::default(),
             culling: Culling::Voxels(Marking::default()),
             grid: 32,
@@ -146,10 +151,21 @@ impl LampMaps {
         (self.budget_bytes / own).clamp(1, u64::from(self.batch)) as u32
     }
 
-    pub(crate) fn shape(&self) -> Shape {
-        Shape { projection: self.projection, size: self.size, radius: self.filter.radius() }
+    /// The map of a lamp whose light ends after so many metres, seen from a distance by pixels of a size at distance 1.
+    pub(crate) fn shape(&self, reach_m: f64, distance_m: f64, pixel_size: f64) -> Shape {
+        let shape = |size| Shape { projection: self.projection, size, radius: self.filter.radius() };
+        let nearest_m = distance_m - reach_m;
+        if !self.adaptive || !reach_m.is_finite() || nearest_m <= 0.0 {
+            return shape(self.size);
+        }
+        // A texel at the light's end is 2 / N of its distance.
+        let wanted = (2.0 * reach_m / (nearest_m * pixel_size)).min(f64::from(self.size)).max(1.0) as u32;
+        shape(wanted.next_power_of_two().max(LEAST_SIZE).min(self.size))
     }
 }
+
+/// Texels per side of the smallest maps.
+const LEAST_SIZE: u32 = 64;
 
 /// Error of a depth, relative to itself.
 pub(crate) const ROUNDING: f64 = 1e-5;
@@ -174,6 +190,12 @@ pub(crate) struct Mapped {
 }
 
 impl Shape {
+    /// Texels per side.
+    #[cfg(feature = "gpu")]
+    pub fn size(&self) -> u32 {
+        self.size
+    }
+
     /// Texels at each border that only filters read.
     pub fn border(&self) -> u32 {
         self.radius + 1

@@ -179,7 +179,7 @@ impl<'w> Shadows<'w> {
         lamp_maps: Option<&LampMaps>,
         view: &View,
     ) -> Self {
-        let lamp_maps = lamp_maps.map(|how| lamp_maps::reference::Maps::new(how, world.tracer, world.surfaces));
+        let lamp_maps = lamp_maps.map(|how| lamp_maps::reference::Maps::new(how, world, view));
         let maps = maps(world, source, view);
         let mut shadows = Self { world, source, suns: Vec::new(), lamps: Vec::new(), maps, lamp_maps };
         if let Some(file) = source.file() {

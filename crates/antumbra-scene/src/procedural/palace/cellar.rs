@@ -8,8 +8,8 @@ use super::looks::Look;
 use super::plan::{
     ANTEROOM, BAY, DOOR, EAST_DOOR_Z, FLOOR, GRILLE, HALL, LUMBER, RISE, SPRING, STRONGROOM, THICK, UNDER, WEST_DOOR_Z,
 };
-use super::shapes::{Arch, Detail, Opening, Vault, wall};
 use crate::procedural::palette::Paint;
+use crate::procedural::shapes::{Arch, Detail, Opening, Vault, wall};
 use crate::procedural::solids::{Builder, Shading, Turn, octagon};
 
 /// Builds the cellar.

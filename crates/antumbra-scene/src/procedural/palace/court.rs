@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3};
 
 use super::Palace;
 use super::plan::{BAY, CEILING, CHAMBER, COLUMN, COURT, DOOR, GALLERY, Side, UNDER, WALK, WALL};
-use super::shapes::{Arch, Detail, Opening, hoop, smooth_profile, wall};
 use crate::procedural::palette::Paint;
+use crate::procedural::shapes::{Arch, Detail, Opening, hoop, smooth_profile, wall};
 use crate::procedural::solids::{Builder, Shading};
 
 /// Thickness of the walls over the columns, and half the width of an arch.

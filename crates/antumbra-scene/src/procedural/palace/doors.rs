@@ -4,9 +4,9 @@ use glam::DVec3;
 
 use super::Palace;
 use super::plan::{BAY, COURT, DOOR, FLOOR, GALLERY, HALL, Side, WALK, WALL, WEST_DOOR_Z};
-use super::shapes::Detail;
 use super::shows::Show;
 use crate::procedural::palette::Paint;
+use crate::procedural::shapes::Detail;
 use crate::procedural::solids::{Builder, Turn};
 
 /// Thickness of a leaf.

@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 use super::Palace;
 use super::looks::Look;
 use super::plan::{COLUMN, EAST_DOOR_Z, FLOOR, GALLERY, Side};
-use super::shapes::{Detail, cloth, hoop};
 use crate::procedural::palette::Paint;
 use crate::procedural::rng::Rng;
+use crate::procedural::shapes::{Detail, cloth, hoop};
 use crate::procedural::solids::{Builder, Shading};
 
 /// Half the width of a flag, and how long it is.

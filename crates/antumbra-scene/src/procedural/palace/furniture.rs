@@ -5,9 +5,9 @@ use core::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
 use super::looks::Look;
-use super::shapes::{Detail, cloth, smooth_profile};
 use crate::procedural::palette::Paint;
 use crate::procedural::rng::Rng;
+use crate::procedural::shapes::{Detail, cloth, smooth_profile};
 use crate::procedural::solids::{Builder, Shading};
 
 /// Height of a table's top, and half its size.

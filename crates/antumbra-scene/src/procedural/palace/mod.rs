@@ -17,16 +17,15 @@ mod furniture;
 mod looks;
 mod lumber;
 mod plan;
-mod shapes;
 mod shows;
 mod stores;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use self::shapes::Detail;
 use self::shows::Show;
 use super::Options;
 use super::rng::Rng;
+use super::shapes::Detail;
 use super::solids::{Builder, Turn};
 use crate::model::{Node, Scene};
 

@@ -7,8 +7,9 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use super::Palace;
 use super::looks::Look;
 use super::plan::{ANTEROOM, BAY, FLOOR, HALL, STRONGROOM};
-use super::shapes::{Detail, hoop, smooth_profile};
+use crate::procedural::props;
 use crate::procedural::rng::Rng;
+use crate::procedural::shapes::{Detail, smooth_profile};
 use crate::procedural::solids::{Builder, Shading, Turn};
 
 /// The meshes that the cellar's things share.
@@ -27,7 +28,7 @@ impl Stock {
                 palace.mesh("claret bottle", |b, detail| bottle(b, detail, Look::BottleGreen, &CLARET)),
                 palace.mesh("hock bottle", |b, detail| bottle(b, detail, Look::BottleAmber, &HOCK)),
             ],
-            crate_: palace.mesh("crate", |b, _| open_crate(b)),
+            crate_: palace.mesh("crate", |b, _| props::open_crate(b, [Look::Oak.into(), Look::DarkOak.into()])),
         }
     }
 }
@@ -45,19 +46,9 @@ pub(super) fn lying(at: DVec3, turn: Turn) -> DAffine3 {
     DAffine3 { matrix3: DMat3::from_cols(axes[0], axes[1], axes[2]), translation: at }
 }
 
-/// Oak staves that bulge, with four hoops; stands upright on y = 0, a metre high.
+/// A barrel with a tap in the lower part of one head, for when it lies.
 fn barrel(b: &mut Builder, detail: Detail) {
-    const LENGTH: f64 = 1.0;
-    const STAVES: [(f64, f64); 5] = [(0.31, 0.035), (0.365, 0.25), (0.385, 0.5), (0.365, 0.75), (0.31, 0.965)];
-    let sides = detail.sides(14.0);
-    let profile = smooth_profile(&STAVES, detail.steps(6.0));
-    b.turned(Look::Oak, Shading::Smooth, DVec2::ZERO, sides, &profile);
-    for (y, radius, half) in
-        [(0.035, 0.312, 0.035), (0.25, 0.366, 0.022), (LENGTH - 0.25, 0.366, 0.022), (LENGTH - 0.035, 0.312, 0.035)]
-    {
-        hoop(b, Look::Iron, DVec2::ZERO, [radius - 0.03, radius + 0.006], [y - half, y + half], sides);
-    }
-    // A tap in the lower part of one head, for when the barrel lies.
+    props::barrel(b, detail, [Look::Oak.into(), Look::Iron.into()]);
     b.strut(Look::DarkOak, DVec3::new(0.0, 0.98, 0.2), DVec3::new(0.0, 1.12, 0.2), 0.018, detail.sides(8.0));
     b.strut(Look::DarkOak, DVec3::new(0.0, 1.08, 0.15), DVec3::new(0.0, 1.08, 0.26), 0.012, detail.sides(8.0));
 }
@@ -93,19 +84,6 @@ fn bottle(b: &mut Builder, detail: Detail, glass: Look, knots: &[(f64, f64)]) {
     b.cone(Look::Parchment, DVec2::ZERO, sides, [(0.0392, 0.055), (0.0392, 0.125)]);
     let top = knots[knots.len() - 1].1;
     b.cone(Look::Wax, DVec2::ZERO, sides, [(0.0172, top - 0.05), (0.0172, top + 0.004)]);
-}
-
-/// A crate of slats, open at the top, about the y axis.
-fn open_crate(b: &mut Builder) {
-    let (half, high) = (DVec2::new(0.28, 0.2), 0.3);
-    b.pillar(Look::Oak, DVec2::ZERO, half * 2.0, 0.0, 0.02);
-    for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-        b.pillar(Look::DarkOak, half * DVec2::new(x, z) * 0.93, DVec2::splat(0.035), 0.01, high);
-    }
-    for i in 0..3 {
-        let (y0, y1) = (0.02 + 0.1 * f64::from(i), 0.1 + 0.1 * f64::from(i));
-        b.rim(Look::Oak, half * 2.0 + DVec2::splat(0.002 * f64::from(i)), 0.014, y0, y1);
-    }
 }
 
 /// Barrels on trestles along the north wall, two high, one row of big ones before the grille's wall.

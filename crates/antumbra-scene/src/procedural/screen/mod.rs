@@ -2,15 +2,16 @@
 //!
 //! What it shows is a video of its own: see `video.rs`. Everything else is dark, so that all light comes from it.
 
-mod video;
+pub(super) mod video;
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::Options;
 use super::foliage::{Habit, tree};
 use super::palette::{self, Paint};
+use super::props::person;
 use super::rng::Rng;
-use super::solids::{Builder, Shading, Turn};
+use super::solids::{Builder, Turn};
 use super::view::{camera, moon};
 use crate::model::{AreaLight, AreaShape, Node, Scene};
 
@@ -20,8 +21,6 @@ const ROAD: f64 = 5.0;
 /// The screen: its size, how high its middle is, and where it stands.
 const SIZE: DVec2 = DVec2::new(8.0, 4.5);
 const MIDDLE: DVec3 = DVec3::new(0.0, 4.6, -30.0);
-/// Frames of the video in a second.
-const FPS: f64 = 8.0;
 /// Length of the street at scale 1, metres.
 const LENGTH: f64 = 64.0;
 
@@ -40,7 +39,7 @@ pub(crate) fn build(options: &Options) -> Scene {
         up_world: DVec3::Y,
         luminance: [1500.0; 3],
         frames: (0..street.scene.images.len()).collect(),
-        frames_per_second: FPS,
+        frames_per_second: video::FPS,
     }];
     street.scene.cameras = vec![
         camera("overview", DVec3::new(2.6, 1.7, 5.0), DVec3::new(-0.6, 3.0, -22.0), 52.0),
@@ -225,22 +224,4 @@ fn car(b: &mut Builder, rng: &mut Rng) {
     for (x, z) in [(-1.3, -0.8), (1.3, -0.8), (-1.3, 0.8), (1.3, 0.8)] {
         b.strut(Paint::Asphalt, DVec3::new(x, 0.33, z - 0.11), DVec3::new(x, 0.33, z + 0.11), 0.33, 14);
     }
-}
-
-/// Someone who stands, looking along -Z.
-fn person(b: &mut Builder, rng: &mut Rng) {
-    let tall = rng.range(0.9, 1.1);
-    let coat = rng.pick(&[Paint::CarBlue, Paint::BrickRed, Paint::GlassDark, Paint::Timber, Paint::LeafDeep]);
-    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * tall;
-    for side in [-1.0, 1.0] {
-        let stride = rng.range(-0.12, 0.12) * side;
-        b.strut(Paint::Asphalt, at(side * 0.11, -0.05, stride), at(side * 0.09, 0.88, 0.0), 0.085 * tall, 7);
-        let reach = rng.range(-0.1, 0.25);
-        b.strut(coat, at(side * 0.24, 1.4, 0.0), at(side * 0.31, 0.85, -reach), 0.055 * tall, 6);
-    }
-    let profile = [(0.17, 0.82), (0.2, 1.0), (0.19, 1.2), (0.23, 1.36), (0.16, 1.47), (0.06, 1.52), (0.06, 1.58)];
-    let profile = profile.map(|(radius, y)| (radius * tall, y * tall));
-    b.turned(coat, Shading::Smooth, DVec2::ZERO, 10, &profile);
-    let head = [(0.03, 1.53), (0.085, 1.58), (0.105, 1.66), (0.1, 1.73), (0.06, 1.79), (0.0, 1.81)];
-    b.turned(Paint::Sandstone, Shading::Smooth, DVec2::ZERO, 10, &head.map(|(radius, y)| (radius * tall, y * tall)));
 }

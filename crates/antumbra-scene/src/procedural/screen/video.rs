@@ -8,11 +8,13 @@ use crate::procedural::rng::Rng;
 
 /// Frames of the video.
 const FRAMES: u32 = 32;
+/// Frames in a second.
+pub(crate) const FPS: f64 = 8.0;
 const WIDTH: u32 = 64;
 const HEIGHT: u32 = 36;
 
-/// All frames.
-pub(super) fn frames(seed: u64) -> Vec<Image> {
+/// All frames, to be shown [`FPS`] a second.
+pub(crate) fn frames(seed: u64) -> Vec<Image> {
     let mut rng = Rng::new(seed ^ 0x7e1e);
     let hills: Vec<f64> = (0..6).map(|_| rng.range(0.0, core::f64::consts::TAU)).collect();
     (0..FRAMES).map(|frame| image(frame, &hills)).collect()

@@ -54,7 +54,7 @@ fn lights_and_cameras_are_there_and_well_formed() {
     for &(name, _) in NAMES {
         for scale in [0.05, 0.3, 1.0] {
             let scene = scene(name, 1, scale);
-            let first = if ["hairball", "screen", "village"].contains(&name) { "moon" } else { "sun" };
+            let first = if ["hairball", "market", "screen", "village"].contains(&name) { "moon" } else { "sun" };
             // In the palace it is night, without a moon.
             if !PALACE.contains(&name) {
                 assert_eq!((scene.lights[0].name.as_str(), scene.lights[0].kind), (first, LightKind::Directional));

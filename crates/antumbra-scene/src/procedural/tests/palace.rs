@@ -7,7 +7,7 @@ use super::{PALACE, scene};
 use crate::model::{LightKind, Scene};
 
 /// Whether something solid lies on the way from one point to another.
-fn blocked(scene: &Scene, from: DVec3, to: DVec3) -> bool {
+pub(super) fn blocked(scene: &Scene, from: DVec3, to: DVec3) -> bool {
     let way = to - from;
     scene.nodes.iter().any(|node| {
         scene.meshes[node.mesh].primitives.iter().any(|primitive| {

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::land::{GREEN_M, Land};
 use crate::procedural::foliage::{Habit, tree};
 use crate::procedural::palette::Paint;
+use crate::procedural::props::cart;
 use crate::procedural::rng::Rng;
 use crate::procedural::solids::{Builder, Shading, Turn};
 
@@ -82,18 +83,5 @@ fn bench(b: &mut Builder) {
     for x in [-0.7, 0.7] {
         b.pillar(Paint::GlassDark, DVec2::new(x, 0.0), DVec2::new(0.08, 0.42), -0.1, 0.43);
         b.pillar(Paint::GlassDark, DVec2::new(x, -0.23), DVec2::new(0.08, 0.1), 0.4, 0.86);
-    }
-}
-
-/// A hay cart.
-fn cart(b: &mut Builder) {
-    b.pillar(Paint::Timber, DVec2::ZERO, DVec2::new(2.4, 1.3), 0.72, 0.84);
-    for z in [-0.62, 0.62] {
-        b.pillar(Paint::Timber, DVec2::new(0.0, z), DVec2::new(2.4, 0.06), 0.8, 1.25);
-        b.strut(Paint::Trunk, DVec3::new(0.0, 0.52, z * 1.16 - 0.06), DVec3::new(0.0, 0.52, z * 1.16 + 0.06), 0.52, 12);
-    }
-    b.turned(Paint::StuccoCream, Shading::Flat, DVec2::ZERO, 8, &[(0.56, 0.82), (0.62, 1.3), (0.34, 1.75), (0.0, 1.9)]);
-    for z in [-0.4, 0.4] {
-        b.strut(Paint::Trunk, DVec3::new(1.1, 0.76, z), DVec3::new(2.6, 0.25, z), 0.05, 5);
     }
 }

@@ -11,7 +11,9 @@ use crate::procedural::solids::{Builder, Shading, Turn};
 /// Height of the floor over the ground at the house's middle.
 const FLOOR_M: f64 = 0.45;
 /// Thickness of a roof.
-const ROOF_M: f64 = 0.17;
+pub(in crate::procedural) const ROOF_M: f64 = 0.17;
+/// How far a roof's eaves stand out.
+pub(in crate::procedural) const OVERHANG_M: f64 = 0.5;
 /// Width of a wing.
 const WING_M: f64 = 4.2;
 
@@ -64,7 +66,7 @@ impl Kind {
 
 /// One wing of a house: a box under a gable roof whose ridge runs along x.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Body {
+pub(in crate::procedural) struct Body {
     pub size: DVec2,
     pub eaves: f64,
     pub ridge: f64,
@@ -135,8 +137,14 @@ pub(super) fn body(b: &mut Builder, coat: Coat, body: &Body) {
     b.pillar(Paint::Quay, DVec2::ZERO, size + DVec2::splat(0.18), -1.6, FLOOR_M);
     b.pillar(coat.wall, DVec2::ZERO, size, -1.0, eaves);
     b.gable(coat.wall, DVec2::ZERO, size - DVec2::splat(0.02), eaves - 0.01, ridge - 0.02);
+    roof(b, coat.roof, body);
+}
+
+/// The two planes of a roof and the comb on their ridge.
+pub(in crate::procedural) fn roof(b: &mut Builder, paint: Paint, body: &Body) {
+    let Body { size, eaves, ridge } = *body;
     let slope = ridge / (size.y * 0.5);
-    let (overhang, reach) = (0.5, size.x * 0.5 + 0.4);
+    let (overhang, reach) = (OVERHANG_M, size.x * 0.5 + 0.4);
     for side in [-1.0, 1.0] {
         let edge = size.y * 0.5 + overhang;
         let (low, high) = (eaves - slope * overhang, eaves + ridge);
@@ -149,10 +157,10 @@ pub(super) fn body(b: &mut Builder, coat: Coat, body: &Body) {
                 .map(|((z, y), up)| DVec3::new(x, y + up, z))
                 .to_vec()
         };
-        b.loft(coat.roof, Shading::Flat, &[ring(-reach), ring(reach)]);
+        b.loft(paint, Shading::Flat, &[ring(-reach), ring(reach)]);
     }
     let comb = eaves + ridge + ROOF_M;
-    b.strut(coat.roof, DVec3::new(-reach - 0.02, comb, 0.0), DVec3::new(reach + 0.02, comb, 0.0), 0.11, 6);
+    b.strut(paint, DVec3::new(-reach - 0.02, comb, 0.0), DVec3::new(reach + 0.02, comb, 0.0), 0.11, 6);
 }
 
 /// Posts and beams before the plaster of one wall, with braces at its corners.
@@ -227,7 +235,14 @@ fn facade(b: &mut Builder, rng: &mut Rng, coat: Coat, wall: &Wall) -> Vec<DVec3>
 }
 
 /// A window set into a wall that faces +z.
-pub(super) fn window(b: &mut Builder, coat: Coat, middle: DVec3, size: DVec2, glow: Option<Glow>, shutters: bool) {
+pub(in crate::procedural) fn window(
+    b: &mut Builder,
+    coat: Coat,
+    middle: DVec3,
+    size: DVec2,
+    glow: Option<Glow>,
+    shutters: bool,
+) {
     let at = DVec2::new(middle.x, middle.z);
     let (y0, y1) = (middle.y - size.y * 0.5, middle.y + size.y * 0.5);
     b.pillar(Paint::White, at, DVec2::new(size.x + 0.2, 0.16), y0 - 0.1, y1 + 0.1);
@@ -287,7 +302,8 @@ fn extras(b: &mut Builder, rng: &mut Rng, kind: Kind, coat: Coat, main: &Body, s
     }
 }
 
-fn chimney(b: &mut Builder, at: DVec2, y0: f64, y1: f64) {
+/// A chimney of brick with two pots, from `y0` to `y1`.
+pub(in crate::procedural) fn chimney(b: &mut Builder, at: DVec2, y0: f64, y1: f64) {
     b.pillar(Paint::BrickRed, at, DVec2::new(0.75, 1.05), y0, y1);
     b.pillar(Paint::BrickBrown, at, DVec2::new(0.93, 1.23), y1 - 0.3, y1 - 0.05);
     for dz in [-0.26, 0.26] {

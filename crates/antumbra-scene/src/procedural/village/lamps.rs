@@ -20,7 +20,7 @@ const WARM: [f32; 3] = [1.0, 0.66, 0.34];
 
 /// How a lamp is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Make {
+pub(in crate::procedural) enum Make {
     /// A shade that throws its light down: a spot light.
     Shade,
     /// A lantern of glass: a point light.
@@ -29,11 +29,11 @@ pub(super) enum Make {
 
 /// A street lamp.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lamp {
-    at: DVec2,
+pub(in crate::procedural) struct Lamp {
+    pub at: DVec2,
     /// Unit vector towards the lane.
-    inward: DVec2,
-    make: Make,
+    pub inward: DVec2,
+    pub make: Make,
 }
 
 /// All street lamps: four about the green, then along each lane on alternating sides.
@@ -80,9 +80,10 @@ impl Lamp {
         }
     }
 
-    pub fn light(&self, name: String, land: &Land) -> Light {
+    /// Its light; `foot` is where its post meets the ground.
+    pub fn light(&self, name: String, foot: DVec3) -> Light {
         let out = self.inward * ARM_M;
-        let position = land.on(self.at) + DVec3::new(out.x, self.light_height(), out.y);
+        let position = foot + DVec3::new(out.x, self.light_height(), out.y);
         match self.make {
             Make::Lantern => point(name, position, 15.0, 170.0, WARM),
             Make::Shade => {
@@ -94,8 +95,8 @@ impl Lamp {
 }
 
 /// A post with an arm that reaches over the lane, and the lamp that hangs from it.
-pub(super) fn post(b: &mut Builder, lamp: &Lamp, land: &Land) {
-    b.within(land.on(lamp.at), Turn::facing(lamp.inward), |b| {
+pub(in crate::procedural) fn post(b: &mut Builder, lamp: &Lamp, foot: DVec3) {
+    b.within(foot, Turn::facing(lamp.inward), |b| {
         b.cone(Paint::GlassDark, DVec2::ZERO, 8, [(0.15, -0.5), (0.11, 0.7)]);
         b.cone(Paint::GlassDark, DVec2::ZERO, 8, [(0.075, 0.6), (0.05, 4.75)]);
         b.cone(Paint::GlassDark, DVec2::ZERO, 8, [(0.09, 4.7), (0.0, 4.95)]);

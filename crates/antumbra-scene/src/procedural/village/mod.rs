@@ -6,8 +6,8 @@
 
 mod church;
 mod green;
-mod houses;
-mod lamps;
+pub(super) mod houses;
+pub(super) mod lamps;
 mod land;
 mod plots;
 
@@ -25,7 +25,7 @@ use crate::model::{Camera, Light, Material, Mesh, Node, Scene};
 
 /// Materials of the village, after those of the palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Glow {
+pub(super) enum Glow {
     /// A lit window.
     Pane,
     /// A window with a curtain drawn before the light.
@@ -41,7 +41,7 @@ impl From<Glow> for usize {
 }
 
 /// What gives off light, in candela per square metre.
-fn materials() -> Vec<Material> {
+pub(super) fn materials() -> Vec<Material> {
     let mut all = palette::materials();
     for (name, rgb, emissive) in [
         ("lit window", 0xf2d9a0, [4.8, 2.5, 0.9]),
@@ -140,9 +140,14 @@ impl Village {
     fn lamps(&mut self) {
         let lamps = lamps::along(&self.land);
         let land = self.land.clone();
-        self.add("lamps", DVec3::ZERO, Turn::NONE, |b, _| lamps.iter().for_each(|lamp| lamps::post(b, lamp, &land)));
-        let lights: Vec<Light> =
-            lamps.iter().enumerate().map(|(i, lamp)| lamp.light(format!("lamp{:02}", i + 1), &self.land)).collect();
+        self.add("lamps", DVec3::ZERO, Turn::NONE, |b, _| {
+            lamps.iter().for_each(|lamp| lamps::post(b, lamp, land.on(lamp.at)));
+        });
+        let lights: Vec<Light> = lamps
+            .iter()
+            .enumerate()
+            .map(|(i, lamp)| lamp.light(format!("lamp{:02}", i + 1), self.land.on(lamp.at)))
+            .collect();
         self.scene.lights.extend(lights);
     }
 
@@ -168,8 +173,8 @@ impl Village {
 
 /// The paints of walls, roofs and wood, house by house.
 #[derive(Clone, Copy, Debug)]
-struct Coat {
-    wall: Paint,
-    roof: Paint,
-    wood: Paint,
+pub(super) struct Coat {
+    pub wall: Paint,
+    pub roof: Paint,
+    pub wood: Paint,
 }

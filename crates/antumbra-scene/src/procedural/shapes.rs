@@ -8,51 +8,51 @@ use crate::procedural::solids::{Builder, Shading};
 
 /// How finely round things are made; their triangles grow with the square of the scale.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Detail {
-    pub scale: f64,
+pub(crate) struct Detail {
+    pub(crate) scale: f64,
 }
 
 impl Detail {
     /// Sides of something round that has `at_one` of them at scale 1.
-    pub fn sides(self, at_one: f64) -> usize {
+    pub(crate) fn sides(self, at_one: f64) -> usize {
         (at_one * self.scale).round().max(4.0) as usize
     }
 
     /// How many of something of which there are `at_one` at scale 1; no more of them in a larger scene.
-    pub fn up_to(self, at_one: usize) -> usize {
+    pub(crate) fn up_to(self, at_one: usize) -> usize {
         ((at_one as f64 * self.scale).ceil() as usize).clamp(2, at_one)
     }
 
     /// Share of the places for small things that is filled, as `at_one` at scale 1.
-    pub fn share(self, at_one: f64) -> f64 {
+    pub(crate) fn share(self, at_one: f64) -> f64 {
         at_one * (self.scale * self.scale).min(1.0)
     }
 
     /// Steps along a curve that has `at_one` of them at scale 1.
-    pub fn steps(self, at_one: f64) -> usize {
+    pub(crate) fn steps(self, at_one: f64) -> usize {
         (at_one * self.scale).round().max(1.0) as usize
     }
 }
 
 /// A piece of wall that stands on an arch: half an ellipse, or flat where it does not rise. Heights are absolute.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arch {
+pub(crate) struct Arch {
     /// Middle along x.
-    pub middle: f64,
+    pub(crate) middle: f64,
     /// Half the width of the piece of wall.
-    pub half: f64,
+    pub(crate) half: f64,
     /// Half the width of the opening.
-    pub clear: f64,
+    pub(crate) clear: f64,
     /// Where the arch begins.
-    pub spring: f64,
-    pub rise: f64,
+    pub(crate) spring: f64,
+    pub(crate) rise: f64,
     /// Top of the wall.
-    pub top: f64,
+    pub(crate) top: f64,
 }
 
 impl Arch {
     /// Builds the wall between two depths.
-    pub fn build(&self, b: &mut Builder, paint: impl Into<usize>, z: [f64; 2], steps: usize) {
+    pub(crate) fn build(&self, b: &mut Builder, paint: impl Into<usize>, z: [f64; 2], steps: usize) {
         let steps = if self.rise > 0.0 { steps.max(4) } else { 1 };
         let mut soffit: Vec<(f64, f64)> = (0..=steps)
             .map(|i| PI * i as f64 / steps as f64)
@@ -72,17 +72,17 @@ impl Arch {
 
 /// An opening in a wall, from the wall's foot up. Heights are absolute.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Opening {
+pub(crate) struct Opening {
     /// Along the wall.
-    pub middle: f64,
-    pub half: f64,
+    pub(crate) middle: f64,
+    pub(crate) half: f64,
     /// Where its arch begins; with a rise of 0 its top.
-    pub spring: f64,
-    pub rise: f64,
+    pub(crate) spring: f64,
+    pub(crate) rise: f64,
 }
 
 /// A wall along x between the corners `min` and `max`, with openings from west to east.
-pub(super) fn wall(
+pub(crate) fn wall(
     b: &mut Builder,
     paint: impl Into<usize>,
     min: DVec3,
@@ -103,18 +103,18 @@ pub(super) fn wall(
 
 /// A bay of groined vault about the y axis: two crossing barrels over a rectangle, below a flat top.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Vault {
+pub(crate) struct Vault {
     /// Width along x and z.
-    pub size: DVec2,
+    pub(crate) size: DVec2,
     /// Where it begins, at the corners.
-    pub spring: f64,
-    pub rise: f64,
-    pub top: f64,
+    pub(crate) spring: f64,
+    pub(crate) rise: f64,
+    pub(crate) top: f64,
 }
 
 impl Vault {
     /// Builds the bay; an even number of steps, so that the groins run along edges.
-    pub fn build(&self, b: &mut Builder, paint: impl Into<usize>, half_steps: usize) {
+    pub(crate) fn build(&self, b: &mut Builder, paint: impl Into<usize>, half_steps: usize) {
         let paint = paint.into();
         let n = 2 * half_steps.max(2);
         let angle = |i: usize| PI * i as f64 / n as f64;
@@ -171,7 +171,7 @@ fn web_of(triangle: &[[usize; 2]; 3], n: usize) -> usize {
 }
 
 /// A flat ring about an upright axis, from radius `radii[0]` to `radii[1]` and from height `y[0]` to `y[1]`.
-pub(super) fn hoop(
+pub(crate) fn hoop(
     b: &mut Builder,
     paint: impl Into<usize>,
     at: DVec2,
@@ -189,7 +189,7 @@ pub(super) fn hoop(
 
 /// A thin closed cloth: where its points lie is a function of the unit square, with x from left to right and y from
 /// bottom to top seen from the front.
-pub(super) fn cloth(
+pub(crate) fn cloth(
     b: &mut Builder,
     paint: impl Into<usize>,
     [columns, rows]: [usize; 2],
@@ -227,7 +227,7 @@ pub(super) fn cloth(
 /// A smooth curve near a profile's knots, (radius, y), in so many steps, evenly spread over the knots: a Catmull-Rom
 /// spline over the chords' lengths, which does not overshoot where knots are unevenly spaced. It has the knots themselves
 /// where the steps are a multiple of the stretches between them, and always the first and the last.
-pub(super) fn smooth_profile(knots: &[(f64, f64)], steps: usize) -> Vec<(f64, f64)> {
+pub(crate) fn smooth_profile(knots: &[(f64, f64)], steps: usize) -> Vec<(f64, f64)> {
     let knot = |i: usize| DVec2::from(knots[i]);
     let last = knots.len() - 1;
     let tangent = |i: usize| {
