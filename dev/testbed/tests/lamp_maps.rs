@@ -133,16 +133,15 @@ fn kept_maps_are_those_drawn_anew() {
     scene.lights.truncate(6);
     let lamps = scene.lights.clone();
     // Something small near the first lamp moves, and so does the second lamp.
-    let near = |i: &usize| (scene.nodes[*i].world_from_mesh.translation - lamps[0].position_world).length();
-    let is_small = |i: &usize| {
+    let size = |i: &usize| {
         let node = &scene.nodes[*i];
         let mut bounds = antumbra_scene::Bounds::EMPTY;
         let primitives = scene.meshes[node.mesh].primitives.iter();
         primitives.flat_map(|p| &p.positions).for_each(|p| bounds.insert(node.world_point(*p)));
-        bounds.diagonal() < 3.0
+        bounds.diagonal() + (bounds.center() - lamps[0].position_world).length()
     };
-    let order = |a: &usize, b: &usize| near(a).total_cmp(&near(b));
-    let own = (0..scene.nodes.len()).filter(is_small).min_by(order).expect("a node");
+    let order = |a: &usize, b: &usize| size(a).total_cmp(&size(b));
+    let own = (0..scene.nodes.len()).min_by(order).expect("a node");
     for projection in PROJECTIONS {
         let [mut kept, mut anew] = [(); 2].map(|()| Stage::new(&gpu, scene.clone(), 6, 3));
         let maps = LampMaps { projection, adaptive: false, ..LampMaps::default() };
