@@ -271,6 +271,10 @@ mod tests {
             ("set area maybe", 1, "off"),
             ("set size 0,1", 1, "more than 0"),
             ("set gather some", 1, "interleaved"),
+            ("set lamp-maps sphere", 1, "paraboloid"),
+            ("set culling some", 1, "frusta"),
+            ("set map-size 10", 1, "64"),
+            ("set virtual-lights -1", 1, "4096"),
         ] {
             let error = Script::parse(text).expect_err("a wrong script").to_string();
             assert!(error.starts_with(&format!("line {line} ")) && error.contains(word), "{error}");

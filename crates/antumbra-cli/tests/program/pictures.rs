@@ -145,3 +145,35 @@ fn the_demo_shows_everything() {
     assert_eq!(size_of_png(&folder.path().join("a/b/city.png")), (1280, 720));
     run(folder.path(), "validate {a/b/city.antumbra}").ok();
 }
+
+#[test]
+fn lamps_have_maps_and_surfaces_send_their_light_on() {
+    let folder = folder();
+    run(folder.path(), "scene cellar --scale 0.05 -o {cellar.glb} --quiet").ok();
+    let line = "render {cellar.glb} -o {p.png} --size 64x36 --samples 1";
+    let draw = |options: &str| {
+        run(folder.path(), &format!("{line} {options}")).ok();
+        image::open(folder.path().join("p.png")).expect("a picture").to_rgb8()
+    };
+    let unlike = |a: &image::RgbImage, b: &image::RgbImage| {
+        let far = |(a, b): (&image::Rgb<u8>, &image::Rgb<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 4);
+        a.pixels().zip(b.pixels()).filter(|pair| far(*pair)).count()
+    };
+    let pixels = 64 * 36;
+    for projection in ["cube", "paraboloid"] {
+        let [card, processor] =
+            ["gpu", "cpu"].map(|device| draw(&format!("--device {device} --lamp-maps {projection}")));
+        assert!(unlike(&card, &processor) < pixels / 50, "{projection}");
+        // Maps of 512 texels show much the same as rays.
+        let rays = draw("--device cpu");
+        assert!(unlike(&processor, &rays) < pixels / 10, "{projection}");
+    }
+    let [without, with] = ["--device gpu --lamp-maps cube", "--device gpu --virtual-lights 16"].map(draw);
+    assert!(unlike(&without, &with) > pixels / 4, "virtual lights change nothing");
+    let by_rays = draw("--device cpu --virtual-lights 16");
+    assert!(unlike(&by_rays, &with) < pixels / 5, "virtual lights by rays and by maps");
+    run(folder.path(), &format!("{line} --virtual-lights 0")).misused("1..=4096");
+    run(folder.path(), &format!("{line} --lamp-map-size 63 --lamp-maps cube")).misused("64..=4096");
+    run(folder.path(), &format!("{line} --lamp-maps sphere")).misused("paraboloid");
+    run(folder.path(), &format!("{line} --day --virtual-lights 8")).misused("--day");
+}
