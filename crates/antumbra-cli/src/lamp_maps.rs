@@ -13,7 +13,7 @@ pub struct LampMapArgs {
     /// Draw shadow maps of the spot and point lights that no bake holds, and over a bake of what moves
     #[arg(long, value_enum, value_name = "HOW")]
     lamp_maps: Option<Projection>,
-    /// Texels per side of each side of them: 64 to 4096
+    /// Texels per side of each side of them, 64 to 4096; less for lamps far away
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(64..=4096))]
     lamp_map_size: u32,
     /// About so many points of light that stand for what surfaces send on of the lamps' light: 1 to 4096. Shadowed by rays, or

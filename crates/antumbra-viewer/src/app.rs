@@ -33,7 +33,7 @@ pub(crate) fn run(options: ViewOptions) -> Result<Closed, ViewError> {
     events.run_app(&mut app).map_err(|error| ViewError::Window(error.to_string()))?;
     match app.failed {
         Some(error) => Err(error),
-        None => Ok(app.clock.closed()),
+        None => Ok(Closed { passes: app.history.means(), ..app.clock.closed() }),
     }
 }
 
@@ -86,7 +86,7 @@ impl Clock {
     }
 
     fn closed(&self) -> Closed {
-        Closed { frames: self.frames, mean_ms: self.sum_ms / self.frames.max(1) as f64 }
+        Closed { frames: self.frames, mean_ms: self.sum_ms / self.frames.max(1) as f64, passes: Vec::new() }
     }
 }
 

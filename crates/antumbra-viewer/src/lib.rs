@@ -27,6 +27,7 @@ pub use error::ViewError;
 pub use script::Script;
 
 use antumbra::ShadowFile;
+use antumbra_render::gpu::PassTime;
 use antumbra_scene::Scene;
 
 /// What to open.
@@ -61,10 +62,12 @@ pub fn run(options: ViewOptions) -> Result<Closed, ViewError> {
 }
 
 /// How it went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Closed {
     /// Frames drawn.
     pub frames: usize,
     /// Their mean time, milliseconds.
     pub mean_ms: f64,
+    /// Mean times of the last 120 frames' passes, in the order of the last frame.
+    pub passes: Vec<PassTime>,
 }

@@ -66,6 +66,11 @@ impl History {
         frame.iter().filter(|time| time.name == name).map(|time| time.ms).sum()
     }
 
+    /// Mean times of passes.
+    pub fn means(&self) -> Vec<PassTime> {
+        self.names().into_iter().map(|name| PassTime { name, ms: self.mean_ms(name) }).collect()
+    }
+
     fn mean_ms(&self, name: &str) -> f64 {
         let sum: f64 = self.frames.iter().map(|frame| Self::ms(frame, name)).sum();
         sum / self.frames.len().max(1) as f64
@@ -165,7 +170,11 @@ fn lamps(ui: &mut Ui, lamps: &mut Lamps) {
         let projections = [(MapProjection::Cube, "cubes"), (MapProjection::Paraboloid, "paraboloids")];
         choose(ui, "drawn as", &mut lamps.projection, &projections);
         let mut log2 = lamps.size.ilog2();
-        ui.add(Slider::new(&mut log2, 6..=12).text("texels").custom_formatter(|log2, _| format!("{}", log2.exp2())));
+        ui.add(
+            Slider::new(&mut log2, 6..=12)
+                .text("texels at most")
+                .custom_formatter(|log2, _| format!("{}", log2.exp2())),
+        );
         lamps.size = 1 << log2;
         choose(ui, "culled by", &mut lamps.culling, &CULLINGS);
         ui.add(Slider::new(&mut lamps.grid, 8..=128).text("cells"));

@@ -8,7 +8,9 @@
 //!                                  shape rectangle|disc|sphere|environment, light X,Y,Z, aim X,Y,Z, size W,H, color R,G,B,
 //!                                  luminance CD, area-shadows voxels|one-by-one|maps|none, vpls N, voxels N, maps N,
 //!                                  alpha N, theta N, phi N, gather full|interleaved|half, airlight exact|average,
-//!                                  interpolation none|plain|fast, video SECONDS, moving on|off
+//!                                  interpolation none|plain|fast, video SECONDS, moving on|off; lamps:
+//!                                  lamp-maps cube|paraboloid|off, map-size N, culling voxels|frusta|none, grid N,
+//!                                  virtual-lights N
 //! frame X,Y,Z X,Y,Z                draw a frame from an eye, looking at a target; metres
 //! screenshot PATH.png              save the window's picture, with its panel
 //! ```

@@ -183,7 +183,7 @@ impl Stage {
         let rays = night.then(|| Renderer::new(&self.scene));
         let how = LightTracing { lights: settings.lamps.virtual_lights, ..LightTracing::default() };
         let virtual_lights = match &rays {
-            Some(rays) if how.lights > 0 => rays.virtual_lights(&how, &area),
+            Some(rays) if how.lights > 0 && lit_by.has_lamp_maps => rays.virtual_lights(&how, &area),
             _ => Vec::new(),
         };
         let setting = Setting {

@@ -147,7 +147,7 @@ fn kept_maps_are_those_drawn_anew() {
         let maps = LampMaps { projection, adaptive: false, ..LampMaps::default() };
         let without = LampMaps { reuse: false, ..maps.clone() };
         let mut triangles = Vec::new();
-        for step in 0..6 {
+        for step in 0..9 {
             for stage in [&mut kept, &mut anew] {
                 if step == 2 || step == 4 {
                     let by = glam::DVec3::new(0.2, 0.1, 0.1) * f64::from(step);
@@ -156,6 +156,13 @@ fn kept_maps_are_those_drawn_anew() {
                 }
                 if step == 3 {
                     stage.renderer.move_lamp(&lamps[1].name, lamps[1].position_world + glam::DVec3::Y * 0.05);
+                }
+                if step == 6 {
+                    // Into the first one's cell, and to where its map shows other things.
+                    stage.renderer.move_lamp(&lamps[1].name, lamps[0].position_world + glam::DVec3::Y * 0.05);
+                }
+                if step == 7 {
+                    stage.camera = scene.cameras[1].clone();
                 }
             }
             let (a, b) = (kept.draw(maps.clone()), anew.draw(without.clone()));
@@ -166,7 +173,7 @@ fn kept_maps_are_those_drawn_anew() {
         }
         // All at first, then none, then some.
         assert_eq!(triangles[0].0, triangles[0].1);
-        assert_eq!([triangles[1].0, triangles[5].0], [0, 0]);
+        assert_eq!([1, 5, 8].map(|i| triangles[i].0), [0; 3]);
         assert!([2, 3, 4].iter().all(|i| triangles[*i].0 > 0 && triangles[*i].0 < triangles[*i].1), "{triangles:?}");
     }
 }

@@ -135,7 +135,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.device == Device::Gpu && area.as_ref().is_some_and(|area| area.technique == AreaTechnique::Traced) {
         bail!("the processor alone traces area lights: leave out --device gpu, or --area-shadows traced");
     }
-    let by_rays = !baked && args.device != Device::Gpu;
+    let by_rays = !baked && args.device != Device::Gpu && args.technique != Some(Technique::Csm);
     let lamp_maps = args.lamp_maps.maps(args.filter.filter(1)?, by_rays);
     let shadows = match (args.technique, &file) {
         (Some(Technique::Csm), _) => maps(args)?,

@@ -1,5 +1,6 @@
 //! `antumbra view`: the interactive window.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use antumbra_bake::light_space::Resolution;
@@ -40,7 +41,7 @@ pub struct Args {
     /// The window's size, pixels
     #[arg(long, value_name = "WxH", value_parser = args::parse_picture_size, default_value = "1280x720")]
     size: [u32; 2],
-    /// Replay a camera's way from a file, print the mean time of a frame, and close
+    /// Replay a camera's way from a file, print the mean times of a frame and its passes, and close
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
 }
@@ -57,7 +58,12 @@ pub fn run(args: &Args) -> Result<()> {
     let options = ViewOptions { scene, bake, resolution: args.resolution.texels(), size: args.size, script };
     let closed = antumbra_viewer::run(options)?;
     if has_script {
-        output::print(&format!("{} frames, {:.1} ms each on average\n", closed.frames, closed.mean_ms))?;
+        let mut text = format!("{} frames, {:.1} ms each on average\n", closed.frames, closed.mean_ms);
+        for pass in &closed.passes {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{:>10.2} ms  {}", pass.ms, pass.name);
+        }
+        output::print(&text)?;
     }
     Ok(())
 }

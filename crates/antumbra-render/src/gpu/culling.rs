@@ -27,9 +27,9 @@ pub(crate) struct CullGrid {
     pub binning: u32,
     pub most_cells: u32,
     pub hair: f32,
+    pub source_level: u32,
     pub pad_0: u32,
     pub pad_1: u32,
-    pub pad_2: u32,
 }
 
 /// The struct `Cluster` of `cluster.wgsl`.
@@ -59,13 +59,17 @@ pub(crate) struct Chunk {
     pub sides: u32,
     pub marked_sides: u32,
     pub culling: u32,
+    pub first_in_batch: u32,
     pub pad_0: u32,
     pub pad_1: u32,
-    pub pad_2: u32,
 }
 
 /// Bytes of lists of triangles at a time: clusters that need more come in chunks.
 const LIST_BYTES: u64 = 64 << 20;
+
+/// Most triangles of all cells, and most pieces of them, that room is made for: others are culled by nothing.
+const MOST_REFS: u64 = 1 << 26;
+const MOST_PIECES: u64 = 1 << 23;
 
 /// By how much boxes of what moves are widened, in cells.
 const HAIR: f32 = 0.01;
@@ -136,7 +140,7 @@ pub(crate) struct Clusters<'a> {
 /// What decides how large buffers are: the rest of the options may change from frame to frame.
 pub(crate) fn same_room(a: &LampMaps, b: &LampMaps) -> bool {
     (a.grid, a.binning, a.projection) == (b.grid, b.binning, b.projection)
-        && (marking(a), marked_sides(a)) == (marking(b), marked_sides(b))
+        && (marking(a), marked_sides(a), source_level(a)) == (marking(b), marked_sides(b), source_level(b))
 }
 
 fn marking(how: &LampMaps) -> u32 {
@@ -149,6 +153,15 @@ fn marking(how: &LampMaps) -> u32 {
 
 fn marked_sides(how: &LampMaps) -> u32 {
     if how.culling == Culling::Voxels(Marking::Sides) { how.projection.sides() } else { 1 }
+}
+
+/// Boxes of what is seen are those of blocks of so many cells that there are no more than 32 blocks to a side: of finer grids they
+/// would be many and small. Beams between whole cells know no boxes.
+fn source_level(how: &LampMaps) -> u32 {
+    match how.culling {
+        Culling::Voxels(Marking::Sides | Marking::Boxes) => (how.grid / 32).max(1).ilog2(),
+        _ => 0,
+    }
 }
 
 /// The table of triangles.
@@ -181,6 +194,7 @@ impl Culler {
             triangles: rows.len() as u32,
             binning,
             most_cells,
+            source_level: source_level(how),
             ..CullGrid::default()
         };
         Ok(Self {
@@ -202,16 +216,18 @@ impl Culler {
         })
     }
 
-    /// Notes that something has moved from one box of the world to another.
-    pub fn moved(&mut self, boxes: [Bounds; 2]) {
+    /// Notes that something has moved from one box of the world to another; false where its shadows may fall anywhere.
+    pub fn moved(&mut self, boxes: [Bounds; 2]) -> bool {
         self.is_binned = false;
         for bounds in boxes {
             let [low, high] = [self.grid.at(bounds.min) - HAIR, self.grid.at(bounds.max) + HAIR];
             let last = self.grid.side() as f32;
             // What nothing culls may cast shadows anywhere.
             let is_culled = self.values.binning != LISTED && low.min_element() >= 0.0 && high.max_element() <= last;
-            let range = if is_culled { [low, high] } else { [Vec3::ZERO, Vec3::splat(last - 1.0)] };
-            let [low, high] = range.map(|p| p.floor().min(Vec3::splat(last - 1.0)).as_ivec3());
+            if !is_culled && !bounds.is_empty() {
+                return false;
+            }
+            let [low, high] = [low, high].map(|p| p.floor().min(Vec3::splat(last - 1.0)).as_ivec3());
             for z in low.z..=high.z {
                 for y in low.y..=high.y {
                     let row = (low.x..=high.x).filter_map(|x| self.grid.number(IVec3::new(x, y, z)));
@@ -219,6 +235,7 @@ impl Culler {
                 }
             }
         }
+        true
     }
 
     /// Writes what has moved, and forgets it.
@@ -396,7 +413,7 @@ impl Culler {
     }
 
     /// What a chunk of clusters is culled by.
-    pub fn chunk(&self, how: &LampMaps, first: u32, count: u32) -> Chunk {
+    pub fn chunk(&self, how: &LampMaps, first: u32, count: u32, first_in_batch: u32) -> Chunk {
         Chunk {
             first,
             count,
@@ -407,9 +424,9 @@ impl Culler {
                 Culling::Frusta => 1,
                 Culling::Voxels(_) => 2,
             },
+            first_in_batch,
             pad_0: 0,
             pad_1: 0,
-            pad_2: 0,
         }
     }
 
@@ -437,7 +454,7 @@ impl Items {
     /// Room for so many triangles of cells.
     fn new(gpu: &Gpu, how: &LampMaps, grid: &Grid, values: &mut CullGrid, refs: u64) -> Result<Self, RenderError> {
         let is_cut = how.binning == Binning::Clip;
-        let most = if is_cut { gpu.most_bytes() / 36 } else { gpu.most_bytes() / 4 };
+        let most = if is_cut { MOST_PIECES.min(gpu.most_bytes() / 36) } else { MOST_REFS.min(gpu.most_bytes() / 4) };
         let refs = refs.min(most).max(64);
         let items = u64::from(values.triangles) + if is_cut { refs } else { 0 };
         (values.most_refs, values.item_words) = (refs as u32, items.div_ceil(32).max(1) as u32);
@@ -453,7 +470,7 @@ impl Items {
             pieces: gpu.zeros("pieces", if is_cut { 36 * refs } else { 0 }),
             always: gpu.zeros("unculled triangles", 4 * u64::from(values.item_words)),
             marks: gpu.zeros("marks", chunk * marked),
-            drawn: gpu.zeros("marks of maps", chunk * marked),
+            drawn: gpu.zeros("marks of maps", u64::from(how.batch) * marked),
             stale: gpu.zeros("stale sides", 4 * chunk * sides),
             survivors: gpu.zeros("survivors", chunk * sides * 4 * u64::from(values.item_words)),
             lists: gpu.zeros("lists of triangles", chunk * of_cluster),

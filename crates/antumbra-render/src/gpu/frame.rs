@@ -107,7 +107,7 @@ pub(crate) struct GpuLamp {
     pub intensity: [f32; 4],
     pub axis: [f32; 4],
     pub range_m: f32,
-    pub near_m: f32,
+    pub core_m: f32,
     pub reach_m: f32,
     pub cos_outer: f32,
     pub per_cosine: f32,
@@ -130,7 +130,7 @@ impl GpuLamp {
             axis: four(axis.as_vec3()),
             // Infinity is no number that shaders promise to know.
             range_m: lamp.range_m.min(1e18) as f32,
-            near_m: lamp.core_m as f32,
+            core_m: lamp.core_m as f32,
             reach_m: lamp.reach_m(least).min(1e18) as f32,
             cos_outer: cos_outer as f32,
             per_cosine: per_cosine as f32,

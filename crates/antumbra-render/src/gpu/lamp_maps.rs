@@ -69,8 +69,8 @@ pub(crate) struct Chosen<'a> {
     pub lamp: &'a Lamp,
     /// Whether a bake holds what stands still.
     pub is_of_movers: bool,
-    /// It lights nothing farther away.
-    pub reach_m: f64,
+    /// It lights nothing farther away: its reach is half a box's side.
+    pub lit_m: f64,
     /// Its map.
     pub shape: Shape,
 }
@@ -85,8 +85,8 @@ pub(crate) struct Mapper {
     sheets: Option<Sheets>,
     /// Of the last sample: indirect draws, and lamps of each cluster.
     drawn: Option<(wgpu::Buffer, Vec<u32>)>,
-    /// The lamps whose maps are there, in the order of their tiles.
-    kept: Vec<Kept>,
+    /// The lamps whose maps are there, in the order of their tiles, and which of them each cluster has.
+    kept: (Vec<Kept>, Vec<Range<usize>>),
 }
 
 /// A lamp whose map is there: which one, where it stood, and whether the map is of what moves alone.
@@ -139,9 +139,10 @@ impl Sheets {
         let most = gpu.device.limits().max_texture_dimension_2d / size;
         let per_row = (1..4).find(|n| n * n >= tiles).unwrap_or(4).min(most).max(1);
         let layers = tiles.div_ceil(per_row * per_row);
+        let rows = if layers == 1 { tiles.div_ceil(per_row) } else { per_row };
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("lamp maps"),
-            size: wgpu::Extent3d { width: per_row * size, height: per_row * size, depth_or_array_layers: layers },
+            size: wgpu::Extent3d { width: per_row * size, height: rows * size, depth_or_array_layers: layers },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -187,7 +188,7 @@ impl Mapper {
             lights: Vec::new(),
             sheets: None,
             drawn: None,
-            kept: Vec::new(),
+            kept: Default::default(),
         })
     }
 
@@ -196,19 +197,23 @@ impl Mapper {
         let suits = same_room(&self.how, how) && how.batch == self.how.batch && how.check().is_ok();
         if suits && self.how != *how {
             self.how = how.clone();
-            self.kept.clear();
+            self.kept = Default::default();
         }
         suits
     }
 
     /// Notes that something has moved from one box of the world to another.
     pub fn moved(&mut self, boxes: [Bounds; 2]) {
-        self.culler.moved(boxes);
+        if !self.culler.moved(boxes) {
+            self.kept = Default::default();
+        }
     }
 
     /// Notes that the lamps may be others.
     pub fn forget(&mut self) {
-        self.kept.clear();
+        self.kept = Default::default();
+        // The bake may be another, with other bindings.
+        self.lights.clear();
     }
 
     /// Gets ready for a frame.
@@ -223,7 +228,7 @@ impl Mapper {
         let at_once = how.lamps_at_once().min((lamps as u32).next_power_of_two());
         let tiles = at_once * how.projection.sides();
         if self.sheets.as_ref().is_none_or(|sheets| (sheets.of.0, sheets.of.2) != (how.size, tiles)) {
-            self.kept.clear();
+            self.kept = Default::default();
             self.sheets = None;
             self.sheets = Some(Sheets::new(stage.gpu, how.size, tiles));
         }
@@ -236,7 +241,7 @@ impl Mapper {
         self.culler.bin(gpu, recorder, self.how.always_bin, scene, frame);
         self.culler.see(gpu, recorder, targets, frame);
         self.culler.take_moved(gpu);
-        let kept = std::mem::take(&mut self.kept);
+        let (kept, kept_ranges) = std::mem::take(&mut self.kept);
         let (Some(sheets), Some(items)) = (&self.sheets, self.culler.items()) else { return };
         let Self { how, culler, .. } = &*self;
         let sides = how.projection.sides();
@@ -244,12 +249,9 @@ impl Mapper {
         let (order, batches) = self.batches(chosen, at_once);
         let ranges: Vec<Range<usize>> = batches.iter().flat_map(|batch| batch.clusters.clone()).collect();
         let now: Vec<Kept> = order.iter().map(Kept::new).collect();
-        let can_reuse = how.reuse
-            && matches!(how.culling, Culling::Voxels(_))
-            && batches.len() == 1
-            && ranges.len() <= items.chunk as usize;
+        let can_reuse = how.reuse && matches!(how.culling, Culling::Voxels(_)) && batches.len() == 1;
         let is_same = |(a, b): (&Kept, &Kept)| (a.index, a.is_of_movers) == (b.index, b.is_of_movers);
-        let reuses = can_reuse && kept.len() == now.len() && kept.iter().zip(&now).all(is_same);
+        let reuses = can_reuse && kept_ranges == ranges && kept.iter().zip(&now).all(is_same);
         // Everything that is the same for all batches.
         let deepest = |corner: DVec3| (corner - view.eye).dot(view.forward);
         let (mut planes, mut clusters) = (Vec::new(), Vec::new());
@@ -271,6 +273,7 @@ impl Mapper {
         let mut sides_drawn: Vec<MapSide> = Vec::with_capacity(order.len() * sides as usize);
         let (mut chunks, mut first) = (Vec::new(), 0);
         for batch in &batches {
+            let first_of_batch = first;
             for clusters in batch.clusters.chunks(items.chunk as usize) {
                 for (place, range) in (0..).zip(clusters) {
                     for lamp in range.clone() {
@@ -284,7 +287,8 @@ impl Mapper {
                     }
                 }
                 let lamps = clusters[0].start..clusters[clusters.len() - 1].end;
-                chunks.push((culler.chunk(how, first, clusters.len() as u32), lamps, clusters.to_vec()));
+                let chunk = culler.chunk(how, first, clusters.len() as u32, first - first_of_batch);
+                chunks.push((chunk, lamps, clusters.to_vec()));
                 first += clusters.len() as u32;
             }
         }
@@ -318,7 +322,7 @@ impl Mapper {
         }
         let lamps_of = ranges.iter().map(|range| range.len() as u32).collect();
         self.drawn = Some((draws, lamps_of));
-        self.kept = if can_reuse { now } else { Vec::new() };
+        self.kept = if can_reuse { (now, ranges) } else { Default::default() };
     }
 
     /// Lamps in order, and batches of their clusters. They are in Morton's order of their cells, which keeps blocks together
@@ -383,7 +387,7 @@ impl Mapper {
             is_of_movers: lamps.iter().all(|own| own.is_of_movers).into(),
             first_plane,
             planes: planes.len() as u32 - first_plane,
-            range_m: lamps.iter().map(|own| own.reach_m).fold(0.0, f64::max).min(1e18) as f32 * 1.001,
+            range_m: lamps.iter().map(|own| own.lit_m).fold(0.0, f64::max).min(1e18) as f32 * 1.001,
             is_new: 1,
             pad_0: 0,
             pad_1: 0,
@@ -558,11 +562,12 @@ pub(crate) fn chosen<'a>(
     };
     let chosen = |(i, lamp): (usize, &'a Lamp)| {
         let (is_of_movers, reach_m) = (is_baked(i), lamp.reach_m(least));
-        let is_needed = !is_of_movers || is_met(lamp, reach_m);
+        let lit_m = lamp.range_m.min(reach_m * 3.0_f64.sqrt());
+        let is_needed = !is_of_movers || is_met(lamp, lit_m);
         is_needed.then(|| {
             let distance_m = (lamp.position_world - view.eye).length();
             let shape = how.shape(reach_m, distance_m, view.pixel_size);
-            Chosen { index: i as u32, lamp, is_of_movers, reach_m, shape }
+            Chosen { index: i as u32, lamp, is_of_movers, lit_m, shape }
         })
     };
     lamps.iter().enumerate().filter_map(chosen).collect()

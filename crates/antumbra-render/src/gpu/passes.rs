@@ -486,7 +486,7 @@ mod tests {
                 found[0] += 1;
             }
             if let Some((members, size)) = layout(&module, "Lamp") {
-                let here = offsets!(GpuLamp: position intensity axis range_m near_m reach_m cos_outer per_cosine light
+                let here = offsets!(GpuLamp: position intensity axis range_m core_m reach_m cos_outer per_cosine light
                     is_mapped is_lambertian);
                 assert_eq!((members, size), here, "{name}");
                 found[1] += 1;
@@ -558,14 +558,14 @@ mod tests {
                     (
                         "CullGrid",
                         offsets!(CullGrid: cells_per_m side eye triangles most_refs item_words binning most_cells
-                        hair pad_0 pad_1 pad_2),
+                        hair source_level pad_0 pad_1),
                     ),
                     (
                         "Cluster",
                         offsets!(GpuCluster: low reach high is_of_movers first_plane planes range_m is_new
                         border pad_0 pad_1 pad_2),
                     ),
-                    ("Chunk", offsets!(Chunk: first count sides marked_sides culling pad_0 pad_1 pad_2)),
+                    ("Chunk", offsets!(Chunk: first count sides marked_sides culling first_in_batch pad_0 pad_1)),
                     (
                         "MapSide",
                         (

@@ -420,7 +420,9 @@ impl GpuRenderer {
     /// Moves a spot or point light by its name: from the next frame on it shines from there. A baked one has baked shadows no more.
     pub fn move_lamp(&mut self, name: &str, position_world: DVec3) {
         let Lit { lighting, numbers, .. } = &mut self.lit;
-        let Some(index) = lighting.lamps.all().iter().position(|lamp| lamp.name == name) else { return };
+        let Some(index) = lighting.lamps.all().iter().position(|lamp| lamp.name == name && !lamp.is_virtual()) else {
+            return;
+        };
         if lighting.lamps.all()[index].position_world != position_world {
             lighting.lamps.move_to(index, position_world);
             numbers[index] = None;
@@ -668,7 +670,8 @@ fn set_lookup(frame: &mut Frame, lookup: Lookup) {
 fn numbers(lighting: &Lighting, bake: Option<&ShadowFile>) -> Vec<Option<u32>> {
     let mut next = lighting.suns.len() as u32;
     let number = |lamp: &Lamp| {
-        baked_light(bake?, Some(&lamp.name), true)?;
+        let bake = bake.filter(|_| !lamp.is_virtual())?;
+        baked_light(bake, Some(&lamp.name), true)?;
         next += 1;
         Some(next - 1)
     };

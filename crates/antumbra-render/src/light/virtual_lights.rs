@@ -11,7 +11,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::{Lamp, luminance};
 use crate::area::{AreaLight, AreaShape};
-use crate::sampling::{cosine_direction, r2};
+use crate::sampling::{cosine_direction, r2, unit};
 use crate::surface::Surfaces;
 use crate::trace::{Ray, Tracer};
 
@@ -45,8 +45,8 @@ impl Default for LightTracing {
 const CORE: f64 = 0.01;
 /// By how much of the diagonal it lies off its surface.
 const LIFT: f64 = 1e-5;
-/// Paths end sooner or later on black surfaces; on white ones by these odds.
-const MOST_ALBEDO: f32 = 0.95;
+/// Most odds of a path to go on: it ends sooner or later, between white surfaces too.
+const MOST_ODDS: f32 = 0.95;
 /// Paths tried for each light that is wanted.
 const TRIES: u32 = 64;
 
@@ -74,7 +74,8 @@ impl VirtualLight {
 }
 
 impl LightTracing {
-    /// Virtual lights of a scene's lamps and of area lights; fewer, or none, where their light meets nothing.
+    /// Virtual lights of a scene's lamps and of area lights; fewer, or none, where their light meets nothing. Paths are traced until there
+    /// are enough, so a handful of lights is a little too bright on average.
     pub(crate) fn trace(
         &self,
         scene: &Scene,
@@ -127,7 +128,7 @@ impl LightTracing {
             }
             let surface = surfaces.at(tracer, &ray, &hit, 0.0);
             let normal = surface.face_normal.as_dvec3();
-            let albedo = (surface.albedo * (1.0 - surface.metallic)).min(Vec3::splat(MOST_ALBEDO));
+            let albedo = surface.albedo * (1.0 - surface.metallic);
             let position_world = surface.position + normal * lift_m;
             let sent = power * albedo;
             if luminance(sent) > 0.0 {
@@ -136,13 +137,16 @@ impl LightTracing {
                 found.push(VirtualLight { position_world, normal_world: normal, intensity });
             }
             // Russian roulette: what survives carries on what the others would have.
-            let odds = albedo.max_element();
-            let dice = [7, 11, 13].map(|base| halton(index.wrapping_mul(16).wrapping_add(bounce), base));
-            if dice[0] as f32 >= odds {
+            let odds = albedo.max_element().min(MOST_ODDS);
+            let dice = match bounce {
+                0 => [7, 11, 13].map(|base| halton(index, base) as f32),
+                _ => [0, 1, 2].map(|i| unit(index, bounce, i)),
+            };
+            if dice[0] >= odds {
                 return;
             }
             power = sent / odds;
-            let direction = cosine_direction(surface.face_normal, Vec2::new(dice[1] as f32, dice[2] as f32));
+            let direction = cosine_direction(surface.face_normal, Vec2::new(dice[1], dice[2]));
             ray = Ray::new(position_world, direction.as_dvec3());
         }
     }
@@ -154,9 +158,11 @@ impl Emitter<'_> {
         match self {
             Self::Lamp(lamp) => (0..64).map(|i| lamp.emitted(r2(i).into()).1).sum::<Vec3>() / 64.0,
             Self::Area(light) => {
-                // What its middle gives, on all of it.
-                let point = light.point(glam::DVec2::splat(0.5), &tracer.bounds());
-                point.radiance * (std::f64::consts::PI * point.area_m2) as f32
+                let of_point = |i: u32| {
+                    let point = light.point(r2(i), &tracer.bounds());
+                    point.radiance * (std::f64::consts::PI * point.area_m2) as f32
+                };
+                (0..64).map(of_point).sum::<Vec3>() / 64.0
             }
         }
     }
@@ -202,4 +208,80 @@ fn halton(index: u32, base: u32) -> f64 {
         left /= u64::from(base);
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use antumbra_scene::{Material, Mesh, Node, Primitive};
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::light::LUX;
+
+    /// A closed room of one colour, and a lamp in it.
+    fn room(albedo: f32) -> Scene {
+        let corner = |i: u32| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -2.0f32 } else { 2.0 });
+        let sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+        let primitive = Primitive {
+            positions: (0..8).map(corner).collect(),
+            triangles: sides.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
+            material: Some(0),
+            ..Primitive::default()
+        };
+        let node = Node { name: "room".into(), mesh: 0, world_from_mesh: DAffine3::IDENTITY, dynamic: false };
+        let lamp = Light {
+            name: "lamp".into(),
+            kind: LightKind::Point,
+            position_world: DVec3::new(0.3, 0.2, -0.4),
+            direction_world: DVec3::NEG_Y,
+            color: [1.0; 3],
+            intensity: 100.0,
+            range_m: None,
+            dynamic: false,
+        };
+        let base_color = [albedo, albedo, albedo, 1.0];
+        Scene {
+            meshes: vec![Mesh { name: "room".into(), primitives: vec![primitive] }],
+            nodes: vec![node],
+            materials: vec![Material { base_color, ..Material::default() }],
+            lights: vec![lamp],
+            ..Scene::default()
+        }
+    }
+
+    /// Each reflection takes its share of the lamp's power, however the dice fall: a furnace.
+    #[test]
+    fn surfaces_send_on_what_they_receive() {
+        for albedo in [0.3, 0.5, 1.0] {
+            let scene = room(albedo);
+            let tracer = Tracer::new(&scene, |_, _| true);
+            let surfaces = Surfaces::new(&scene);
+            let power = 4.0 * std::f32::consts::PI * 100.0 * LUX;
+            let mut expected = 0.0;
+            for bounces in 1..=4 {
+                expected += power * albedo.powi(bounces as i32);
+                let how = LightTracing { lights: 4096, bounces };
+                let lights = how.trace(&scene, &tracer, &surfaces, &[]);
+                let sent: f32 = lights.iter().map(|light| light.intensity.x * std::f32::consts::PI).sum();
+                assert!((sent / expected - 1.0).abs() < 0.04, "{albedo}, {bounces}: {sent} of {expected}");
+                assert!(lights.iter().all(|light| light.position_world.abs().max_element() < 2.0));
+                assert!(lights.iter().all(|light| light.normal_world.dot(light.position_world) < 0.0));
+                assert!(lights.len() >= 4096 && lights.len() < 4096 + bounces as usize);
+            }
+        }
+    }
+
+    #[test]
+    fn without_light_there_are_none() {
+        let mut scene = room(0.5);
+        scene.lights.clear();
+        let tracer = Tracer::new(&scene, |_, _| true);
+        let trace = |scene: &Scene, tracer: &Tracer| {
+            LightTracing::default().trace(scene, tracer, &Surfaces::new(scene), &[]).len()
+        };
+        assert_eq!(trace(&scene, &tracer), 0);
+        // A lamp with nothing around it.
+        let open = Scene { lights: room(0.5).lights, ..Scene::default() };
+        assert_eq!(trace(&open, &Tracer::new(&open, |_, _| true)), 0);
+    }
 }

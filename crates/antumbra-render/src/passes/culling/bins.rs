@@ -144,7 +144,7 @@ fn touched(grid: &Grid, corners: &[Vec3; 3]) -> impl Iterator<Item = IVec3> {
     let w = normal.abs().max_position();
     let (u, v) = ((w + 1) % 3, (w + 2) % 3);
     // A sliver's plane says too little about where it is.
-    let is_sliver = normal[w].abs() < 1e-3 * ab.length_squared().max(ac.length_squared());
+    let is_sliver = normal[w].abs() < 1e-2 * ab.length_squared().max(ac.length_squared());
     let (slope_u, slope_v) = (normal[u] / normal[w], normal[v] / normal[w]);
     let reach = (0.5 + HAIR) * (slope_u.abs() + slope_v.abs()) + 2.0 * HAIR;
     let start = corners[0];

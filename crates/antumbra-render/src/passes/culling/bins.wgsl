@@ -146,7 +146,7 @@ fn visit(triangle: u32, t: array<vec3<f32>, 3>, most: u32, is_put: bool) -> u32 
     let u = (w + 1u) % 3u;
     let v = (w + 2u) % 3u;
     let longest = max(dot(t[1] - t[0], t[1] - t[0]), dot(t[2] - t[0], t[2] - t[0]));
-    let is_sliver = facing[w] < 1e-3 * longest;
+    let is_sliver = facing[w] < 1e-2 * longest;
     let span = high - low + 1;
     if is_sliver && span.x * span.y * span.z > MOST_SLIVER_CELLS {
         return ~0u;

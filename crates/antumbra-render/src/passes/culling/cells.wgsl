@@ -29,7 +29,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if begins[cell + 1u] > begins[cell] {
         atomicStore(&occupied[1u + atomicAdd(&occupied[0], 1u)], cell);
     }
-    if boxes[6u * cell] != 0u {
+    let side = source_side(grid);
+    if cell < side * side * side && boxes[6u * cell] != 0u {
         var low: vec3<f32>;
         var high: vec3<f32>;
         for (var axis = 0u; axis < 3u; axis++) {

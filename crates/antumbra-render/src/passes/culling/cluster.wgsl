@@ -31,9 +31,10 @@ struct Chunk {
     marked_sides: u32,
     // NO_CULLING, FRUSTA or VOXELS.
     culling: u32,
+    // Where its first cluster is among those whose maps are there.
+    first_in_batch: u32,
     pad_0: u32,
     pad_1: u32,
-    pad_2: u32,
 }
 
 const NO_CULLING: u32 = 0u;

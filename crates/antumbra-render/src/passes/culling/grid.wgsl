@@ -17,9 +17,10 @@ struct CullGrid {
     most_cells: u32,
     // By how much boxes are widened, in cells: more than rounding errs by.
     hair: f32,
+    // Boxes of what is seen are those of blocks of 2^n cells along each axis.
+    source_level: u32,
     pad_0: u32,
     pad_1: u32,
-    pad_2: u32,
 }
 
 const WHOLE: u32 = 0u;
@@ -42,6 +43,11 @@ fn number_of(grid: CullGrid, cell: vec3<i32>) -> u32 {
 
 fn cell_of(grid: CullGrid, number: u32) -> vec3<u32> {
     return vec3(number % grid.side, number / grid.side % grid.side, number / grid.side / grid.side);
+}
+
+// Blocks of cells along each axis in which boxes of what is seen are kept.
+fn source_side(grid: CullGrid) -> u32 {
+    return (grid.side + (1u << grid.source_level) - 1u) >> grid.source_level;
 }
 
 // The item that a whole triangle is.

@@ -30,7 +30,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let at = in_cells(grid, ray_through(frame, vec2<f32>(id.xy) + frame.jitter) * depth);
     // What lies outside belongs to the nearest cell.
     let cell = clamp(floor(at), vec3(0.0), vec3(f32(grid.side - 1u)));
-    let number = number_of(grid, vec3<i32>(cell));
+    let block = vec3<u32>(cell) >> vec3(grid.source_level);
+    let side = source_side(grid);
+    let number = block.x + side * (block.y + side * block.z);
     for (var axis = 0u; axis < 3u; axis++) {
         raise(6u * number + axis, ~sortable(at[axis]));
         raise(6u * number + 3u + axis, sortable(at[axis]));

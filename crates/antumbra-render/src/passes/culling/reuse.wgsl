@@ -18,10 +18,11 @@ var<workgroup> is_stale: atomic<u32>;
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let words = (grid.side * grid.side * grid.side + 31u) / 32u;
     let first = group.x * words;
+    let kept = first + chunk.first_in_batch * chunk.marked_sides * words;
     let cluster = group.x / chunk.marked_sides;
     var found = clusters[chunk.first + cluster].is_new;
     for (var word = lane; word < words; word += 64u) {
-        let before = drawn[first + word];
+        let before = drawn[kept + word];
         found |= (marks[first + word] & ~before) | (before & moved[word]);
     }
     if found != 0u {
@@ -31,7 +32,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let needs_drawing = atomicLoad(&is_stale);
     if needs_drawing != 0u {
         for (var word = lane; word < words; word += 64u) {
-            drawn[first + word] = marks[first + word];
+            drawn[kept + word] = marks[first + word];
         }
     }
     // One mark for all sides speaks for all of them.

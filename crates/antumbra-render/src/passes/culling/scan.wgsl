@@ -8,19 +8,21 @@
 @group(0) @binding(3) var<storage, read_write> begins: array<u32>;
 
 const BLOCK: u32 = 1024u;
+// Sums stop here, far beyond all room: what has none is culled by nothing.
+const MOST: u32 = 0x3fffffffu;
 
 var<workgroup> sums: array<u32, 256>;
 
 fn count_of(cell: u32) -> u32 {
     if cell < grid.side * grid.side * grid.side {
-        return counts[cell];
+        return min(counts[cell], MOST / 4u);
     }
     return 0u;
 }
 
 // The sum of the values before this lane's (Hillis and Steele 1986); `sums[255]` is that of all.
 fn before(lane: u32, own: u32) -> u32 {
-    sums[lane] = own;
+    sums[lane] = min(own, MOST);
     workgroupBarrier();
     for (var step = 1u; step < 256u; step *= 2u) {
         var other = 0u;
@@ -28,10 +30,13 @@ fn before(lane: u32, own: u32) -> u32 {
             other = sums[lane - step];
         }
         workgroupBarrier();
-        sums[lane] += other;
+        sums[lane] = min(sums[lane] + other, MOST);
         workgroupBarrier();
     }
-    return sums[lane] - own;
+    if lane == 0u {
+        return 0u;
+    }
+    return sums[lane - 1u];
 }
 
 @compute @workgroup_size(256)
@@ -46,11 +51,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             if at < all {
                 own = blocks[at];
             }
-            let sum = carried + before(lane, own);
+            let sum = min(carried + before(lane, own), MOST);
             if at < all {
                 blocks[at] = sum;
             }
-            carried += sums[255];
+            carried = min(carried + sums[255], MOST);
             workgroupBarrier();
         }
         return;
@@ -64,11 +69,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         return;
     }
-    var at = blocks[group.x] + sum;
+    var at = min(blocks[group.x] + sum, MOST);
     for (var i = 0u; i < 4u; i++) {
         if cell + i <= grid.side * grid.side * grid.side {
             begins[cell + i] = at;
         }
-        at += own[i];
+        at = min(at + own[i], MOST);
     }
 }

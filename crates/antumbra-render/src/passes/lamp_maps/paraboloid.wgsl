@@ -28,7 +28,7 @@ fn bulge(start: vec3<f32>, end: vec3<f32>, chord: vec2<f32>) -> f32 {
         return 0.5 * half * half * height / max(size, 1e-30) + 1e-6;
     }
     let radius = size / height;
-    return radius - sqrt(max(radius * radius - half * half, 0.0)) + 1e-6;
+    return half * half / (radius + sqrt(max(radius * radius - half * half, 0.0))) + 1e-6;
 }
 
 // A box about a triangle's image: least corner, then greatest.

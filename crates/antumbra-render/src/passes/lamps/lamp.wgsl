@@ -7,7 +7,8 @@ struct Lamp {
     // Of a spot light, the way its light goes.
     axis: vec4<f32>,
     range_m: f32,
-    near_m: f32,
+    // Nearer than this its light gets no brighter.
+    core_m: f32,
     // Beyond this it gives too little to count.
     reach_m: f32,
     // -2 for light all round, 0 for a point of a surface.
@@ -45,7 +46,7 @@ fn lamplight(lamp: Lamp, point: vec3<f32>) -> Lamplight {
     let towards = to_lamp / distance;
     let ratio = distance / lamp.range_m;
     let window = clamp(1.0 - ratio * ratio * ratio * ratio, 0.0, 1.0);
-    var share = window / (max(distance, lamp.near_m) * max(distance, lamp.near_m));
+    var share = window / (max(distance, lamp.core_m) * max(distance, lamp.core_m));
     if lamp.is_lambertian != 0u {
         share *= max(dot(lamp.axis.xyz, -towards), 0.0);
     } else if lamp.cos_outer > -2.0 {

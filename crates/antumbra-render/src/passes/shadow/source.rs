@@ -232,6 +232,10 @@ impl<'w> Shadows<'w> {
     pub(crate) fn of_lamp(&self, index: usize, place: &Place) -> f32 {
         let lamp = &self.world.lighting.lamps.all()[index];
         let Some(maps) = &self.lamp_maps else {
+            // Virtual lights are in no bake.
+            if lamp.is_virtual() && self.source.file().is_some() {
+                return 1.0;
+            }
             let way = || (lamp.position_world - place.position, lamp.casters_end(place.position));
             return self.of(&self.lamps, index, place, way);
         };
