@@ -100,6 +100,12 @@ const PICTURES: [Shot; 16] = [
     ),
     shot("shafts", "city", "--sun 5,16", "--size 960x540 --camera skyline --fog 0.0015 --device gpu"),
     shot("shafts-street", "city", "--sun 5,16", "--size 480x270 --camera street --fog 0.004 --device gpu"),
+    shot(
+        "market",
+        "market",
+        "--resolution 4096",
+        "--size 960x540 --device gpu --lamp-maps cube --filter 3 --fog 0.01 --vpls 128 --samples 3",
+    ),
     shot("far-csm", "city", "", FAR_MAPS),
     shot("far-dag", "city", "", FAR),
 ];
