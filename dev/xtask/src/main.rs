@@ -75,7 +75,7 @@ const FAR: &str = "--size 480x270 --eye 700,220,600 --target 60,40,0 --fov 14 --
 const FAR_MAPS: &str = "--size 480x270 --eye 700,220,600 --target 60,40,0 --fov 14 --device gpu --technique csm";
 
 /// Those with `--device gpu` are drawn on the graphics card, the others with gathered light.
-const PICTURES: [Shot; 16] = [
+const PICTURES: [Shot; 17] = [
     shot("city", "city", "", "--size 960x540 --camera overview --filter 3"),
     shot("city-rooftops", "city", "", "--size 480x270 --camera rooftops --filter 3"),
     shot("landscape", "landscape", "", "--size 480x270 --camera overview --filter 3"),
