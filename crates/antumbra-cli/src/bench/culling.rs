@@ -117,6 +117,10 @@ const TECHNIQUES: [(&str, Culling); 3] =
 
 /// Measures everything.
 pub fn run(subjects: Vec<Subject>, study: &Study, progress: &Progress) -> Result<Report> {
+    for Subject { name, scene, .. } in &subjects {
+        let has_lamps = scene.lights.iter().any(|light| light.kind != LightKind::Directional);
+        ensure!(has_lamps, "{name} has no spot or point lights, whose shadow maps could be culled");
+    }
     progress.stage("opening the graphics card");
     let gpu = Gpu::open()?;
     let [width, height] = study.size;
@@ -196,7 +200,6 @@ impl Stage {
         study: &Study,
     ) -> Result<Self> {
         let lights = scene.lights.len() + virtual_lights.len();
-        ensure!(lights > 0, "{name} has no spot or point lights, whose shadow maps could be culled");
         let setting = Setting {
             lights: scene.lights.clone(),
             time: Some(Time::Night),
