@@ -7,10 +7,11 @@ use antumbra_scene::Bounds;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, IVec3};
 
-use super::culling::{Clusters, Culler, GpuCluster, same_room};
+use super::culling::{Chunk, Clusters, Culler, GpuCluster, same_room};
 use super::passes::{MapRaster, Way, mapped_kernel};
 use super::scene::{DrawnPart, SceneBuffers};
-use super::targets::{DEPTH_FORMAT, Targets};
+use super::sheets::Sheets;
+use super::targets::Targets;
 use super::timing::Recorder;
 use super::{Gpu, Kernel};
 use crate::RenderError;
@@ -98,15 +99,6 @@ struct Kept {
     shape: Shape,
 }
 
-/// Maps in tiles of the layers of a texture.
-#[derive(Debug)]
-struct Sheets {
-    /// Texels per side of a tile, tiles per row of a layer, tiles in all.
-    of: (u32, u32, u32),
-    layers: Vec<wgpu::TextureView>,
-    all: wgpu::TextureView,
-}
-
 /// Lamps whose maps are there at once, in order: a range of them for each cluster.
 #[derive(Debug, Default)]
 struct Batch {
@@ -131,50 +123,6 @@ impl Kept {
     fn new(own: &Chosen<'_>) -> Self {
         let Chosen { index, lamp, is_of_movers, shape, .. } = *own;
         Self { index, position_world: lamp.position_world, is_of_movers, shape }
-    }
-}
-
-impl Sheets {
-    fn new(gpu: &Gpu, size: u32, tiles: u32) -> Self {
-        let most = gpu.device.limits().max_texture_dimension_2d / size;
-        let per_row = (1..4).find(|n| n * n >= tiles).unwrap_or(4).min(most).max(1);
-        let layers = tiles.div_ceil(per_row * per_row);
-        let rows = if layers == 1 { tiles.div_ceil(per_row) } else { per_row };
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("lamp maps"),
-            size: wgpu::Extent3d { width: per_row * size, height: rows * size, depth_or_array_layers: layers },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: DEPTH_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        let view = |base_array_layer, array_layer_count, dimension| {
-            let dimension = Some(dimension);
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension,
-                base_array_layer,
-                array_layer_count,
-                ..Default::default()
-            })
-        };
-        Self {
-            of: (size, per_row, tiles),
-            layers: (0..layers).map(|i| view(i, Some(1), wgpu::TextureViewDimension::D2)).collect(),
-            all: view(0, None, wgpu::TextureViewDimension::D2Array),
-        }
-    }
-
-    fn tiles_per_layer(&self) -> u32 {
-        self.of.1 * self.of.1
-    }
-
-    /// Layer, and upper left texel, of a tile.
-    fn place(&self, tile: u32) -> (u32, [u32; 2]) {
-        let (size, per_row, _) = self.of;
-        let in_layer = tile % self.tiles_per_layer();
-        (tile / self.tiles_per_layer(), [in_layer % per_row * size, in_layer / per_row * size])
     }
 }
 
@@ -260,38 +208,21 @@ impl Mapper {
             let stands_still = reuses && kept[range.clone()] == now[range.clone()];
             clusters.push(GpuCluster { is_new: (!stands_still).into(), ..cluster });
         }
-        let mapped: Vec<MappedLamp> = order
-            .iter()
-            .enumerate()
-            .map(|(i, own)| MappedLamp {
-                lamp: own.index,
-                first_tile: (i % at_once) as u32 * sides,
-                size: own.shape.size() as f32,
-                near_m: own.lamp.near_m as f32,
-            })
-            .collect();
-        let mut sides_drawn: Vec<MapSide> = Vec::with_capacity(order.len() * sides as usize);
-        let (mut chunks, mut first) = (Vec::new(), 0);
-        for batch in &batches {
-            let first_of_batch = first;
-            for clusters in batch.clusters.chunks(items.chunk as usize) {
-                for (place, range) in (0..).zip(clusters) {
-                    for lamp in range.clone() {
-                        let tile = mapped[lamp].first_tile;
-                        let of_lamp = |side| {
-                            let begin = (place * sides + side) * items.list_len;
-                            let list = begin..begin + items.list_len;
-                            map_side(&order[lamp], view, sheets.place(tile + side).1, side, list)
-                        };
-                        sides_drawn.extend((0..sides).map(of_lamp));
-                    }
-                }
-                let lamps = clusters[0].start..clusters[clusters.len() - 1].end;
-                let chunk = culler.chunk(how, first, clusters.len() as u32, first - first_of_batch);
-                chunks.push((chunk, lamps, clusters.to_vec()));
-                first += clusters.len() as u32;
-            }
-        }
+        let tile_of = |lamp: usize| (lamp % at_once) as u32 * sides;
+        let mapped = |(i, own): (usize, &Chosen<'_>)| MappedLamp {
+            lamp: own.index,
+            first_tile: tile_of(i),
+            size: own.shape.size() as f32,
+            near_m: own.lamp.near_m as f32,
+        };
+        let mapped: Vec<MappedLamp> = order.iter().enumerate().map(mapped).collect();
+        let chunks = self.chunks(&batches, items.chunk as usize);
+        let side_of = |(place, lamp, side): (u32, usize, u32)| {
+            let begin = (place * sides + side) * items.list_len;
+            map_side(&order[lamp], view, sheets.place(tile_of(lamp) + side).1, side, begin..begin + items.list_len)
+        };
+        let all_sides = chunks.iter().flat_map(|drawn| drawn.sides(sides));
+        let sides_drawn: Vec<MapSide> = all_sides.map(side_of).collect();
         let draws = indirect_draws(gpu, ranges.len() as u32 * sides);
         let [of_clusters, of_planes] = [gpu.buffer("clusters", &clusters), gpu.buffer("planes", &planes)];
         let of_sides = gpu.buffer("sides of maps", &sides_drawn);
@@ -302,19 +233,11 @@ impl Mapper {
         let side = wgpu::BufferBinding { buffer: &of_sides, offset: 0, size: core::num::NonZero::new(MAP_SIDE_BYTES) };
         let side = gpu.group(&self.raster.layouts[2], &[wgpu::BindingResource::Buffer(side)]);
         let for_draws = Clusters { clusters: &of_clusters, planes: &of_planes, draws: &draws };
-        for (i, (chunk, lamps, clusters)) in chunks.iter().enumerate() {
-            culler.cull(gpu, recorder, how, &for_draws, chunk);
-            let begins_batch = lamps.start % at_once == 0;
-            let drawn = DrawnChunk {
-                order: &order,
-                lamps: lamps.clone(),
-                clusters,
-                first_cluster: chunk.first,
-                begins_batch,
-                reuses,
-            };
-            self.draw_chunk(recorder, sheets, &drawn, [&geometry, &own, &side], &draws);
-            let ends_batch = chunks.get(i + 1).is_none_or(|(_, next, _)| next.start % at_once == 0);
+        for (i, drawn) in chunks.iter().enumerate() {
+            culler.cull(gpu, recorder, how, &for_draws, &drawn.chunk);
+            self.draw_chunk(recorder, sheets, (drawn, &order, reuses), [&geometry, &own, &side], &draws);
+            let lamps = drawn.lamps();
+            let ends_batch = chunks.get(i + 1).is_none_or(|next| next.lamps().start % at_once == 0);
             if ends_batch {
                 let first = (lamps.end - 1) / at_once * at_once;
                 self.light(recorder, stage, sheets, first..lamps.end, &of_mapped);
@@ -323,6 +246,21 @@ impl Mapper {
         let lamps_of = ranges.iter().map(|range| range.len() as u32).collect();
         self.drawn = Some((draws, lamps_of));
         self.kept = if can_reuse { (now, ranges) } else { Default::default() };
+    }
+
+    /// The clusters of batches, so many at a time.
+    fn chunks(&self, batches: &[Batch], at_a_time: usize) -> Vec<DrawnChunk> {
+        let (mut chunks, mut first) = (Vec::new(), 0);
+        for batch in batches {
+            let first_of_batch = first;
+            for clusters in batch.clusters.chunks(at_a_time) {
+                let count = clusters.len() as u32;
+                let chunk = self.culler.chunk(&self.how, first, count, first - first_of_batch);
+                chunks.push(DrawnChunk { chunk, clusters: clusters.to_vec() });
+                first += count;
+            }
+        }
+        chunks
     }
 
     /// Lamps in order, and batches of their clusters. They are in Morton's order of their cells, which keeps blocks together
@@ -400,39 +338,41 @@ impl Mapper {
         &self,
         recorder: &mut Recorder<'_>,
         sheets: &Sheets,
-        chunk: &DrawnChunk<'_>,
+        (drawn, order, reuses): (&DrawnChunk, &[Chosen<'_>], bool),
         [geometry, own, side]: [&wgpu::BindGroup; 3],
         draws: &wgpu::Buffer,
     ) {
         let sides = self.how.projection.sides();
         let at_once = (sheets.of.2 / sides) as usize;
-        let begin = (chunk.lamps.start % at_once) as u32 * sides;
-        let end = begin + chunk.lamps.len() as u32 * sides;
-        let cluster_of = |lamp: usize| (0..).zip(chunk.clusters).find(|(_, r)| r.contains(&lamp)).map_or(0, |(i, _)| i);
+        let lamps = drawn.lamps();
+        let begin = (lamps.start % at_once) as u32 * sides;
+        let end = begin + lamps.len() as u32 * sides;
+        let cluster_of =
+            |lamp: usize| (0..).zip(&drawn.clusters).find(|(_, r)| r.contains(&lamp)).map_or(0, |(i, _)| i);
         for layer in begin / sheets.tiles_per_layer()..=(end - 1) / sheets.tiles_per_layer() {
             let first = (layer * sheets.tiles_per_layer()).max(begin);
             let last = ((layer + 1) * sheets.tiles_per_layer()).min(end);
             // A layer begins empty unless an earlier chunk of the batch has drawn into it.
             // Where maps are kept, each side is cleared by a draw of its own.
-            let is_new = chunk.begins_batch || first == layer * sheets.tiles_per_layer();
-            let load = if is_new && !chunk.reuses { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
+            let is_new = first == layer * sheets.tiles_per_layer();
+            let load = if is_new && !reuses { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load };
             recorder.draw("lamp maps", None, (&sheets.layers[layer as usize], load), |pass| {
                 pass.set_bind_group(0, geometry, &[]);
                 pass.set_bind_group(1, own, &[]);
                 let MapRaster { opaque, cut_out, clear, .. } = &self.raster;
-                let clear = chunk.reuses.then_some((clear, 2));
+                let clear = reuses.then_some((clear, 2));
                 for (pipeline, kind) in clear.into_iter().chain([(opaque, 0), (cut_out, 1)]) {
                     pass.set_pipeline(pipeline);
                     for tile in first..last {
-                        let lamp = chunk.lamps.start + ((tile - begin) / sides) as usize;
+                        let lamp = lamps.start + ((tile - begin) / sides) as usize;
                         let of_side = tile % sides;
                         let (_, [x, y]) = sheets.place(tile);
-                        let size = chunk.order[lamp].shape.size();
+                        let size = order[lamp].shape.size();
                         pass.set_viewport(x as f32, y as f32, size as f32, size as f32, 0.0, 1.0);
                         pass.set_scissor_rect(x, y, size, size);
                         let row = lamp as u32 * sides + of_side;
                         pass.set_bind_group(2, side, &[row * size_of::<MapSide>() as u32]);
-                        let cluster = chunk.first_cluster + cluster_of(lamp);
+                        let cluster = drawn.chunk.first + cluster_of(lamp);
                         let draw = DRAWS * (cluster * sides + of_side) + kind;
                         pass.draw_indirect(draws, 16 * u64::from(draw));
                     }
@@ -489,16 +429,27 @@ impl Mapper {
     }
 }
 
-/// Some clusters' maps.
-struct DrawnChunk<'a> {
-    order: &'a [Chosen<'a>],
-    lamps: Range<usize>,
+/// Some clusters' maps, culled and drawn at a time.
+struct DrawnChunk {
+    chunk: Chunk,
     /// Which of the lamps belong to each.
-    clusters: &'a [Range<usize>],
-    first_cluster: u32,
-    begins_batch: bool,
-    /// Whether some of the maps are kept.
-    reuses: bool,
+    clusters: Vec<Range<usize>>,
+}
+
+impl DrawnChunk {
+    /// Their lamps.
+    fn lamps(&self) -> Range<usize> {
+        let end = |range: Option<&Range<usize>>| range.map_or(0, |range| range.end);
+        self.clusters.first().map_or(0, |range| range.start)..end(self.clusters.last())
+    }
+
+    /// Each lamp's sides, with the place of its cluster.
+    fn sides(&self, sides: u32) -> impl Iterator<Item = (u32, usize, u32)> + '_ {
+        let of_cluster = move |(place, range): (u32, &Range<usize>)| {
+            range.clone().flat_map(move |lamp| (0..sides).map(move |side| (place, lamp, side)))
+        };
+        (0..).zip(&self.clusters).flat_map(of_cluster)
+    }
 }
 
 /// Vertices that a triangle is drawn with.

@@ -13,6 +13,7 @@ mod lamp_maps;
 mod passes;
 mod renderer;
 mod scene;
+mod sheets;
 mod targets;
 mod timing;
 

@@ -28,7 +28,7 @@ const BOXES: &str = include_str!("../passes/lamps/boxes.wgsl");
 const CLUSTERS: &str = include_str!("../passes/lamps/clusters.wgsl");
 const LISTS: &str = include_str!("../passes/lamps/lists.wgsl");
 const LAMPS: &str = include_str!("../passes/lamps/lamps.wgsl");
-const LIST_OF: &str = include_str!("../passes/lamps/list_of.wgsl");
+const LAMPS_SHARED: &str = include_str!("../passes/lamps/shared.wgsl");
 const GRID: &str = include_str!("../passes/culling/grid.wgsl");
 const CLUSTER: &str = include_str!("../passes/culling/cluster.wgsl");
 const MAP_TARGET: &str = include_str!("../passes/lamp_maps/target.wgsl");
@@ -69,7 +69,7 @@ pub(crate) fn sources(lookups: &str, way: Way) -> Vec<(&'static str, String)> {
         ("tile boxes", [FRAME, TEXEL, LAMP, BOXES].concat()),
         ("clusters", [FRAME, LAMP, CLUSTERS].concat()),
         ("light lists", [FRAME, LAMP, LISTS].concat()),
-        ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LIST_OF, LOOKUP, LAMPS].concat()),
+        ("lamps", [lookups, way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LAMPS_SHARED, LOOKUP, LAMPS].concat()),
     ]
 }
 
@@ -195,7 +195,8 @@ pub(crate) fn culling_sources(marking: u32, projection: MapProjection) -> Vec<(&
 pub(crate) fn mapped_source(lookups: &str, way: Way, projection: MapProjection) -> String {
     let is_cube = projection == MapProjection::Cube;
     let way = format!("const SHADOW: u32 = {}u;\nconst IS_CUBE: bool = {is_cube};\n", way.shadow);
-    let parts = [lookups, &way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LIST_OF, LOOKUP, LAMP_MAP, MAP_LOOKUP, MAP_LIGHT];
+    let parts =
+        [lookups, &way, FRAME, TEXEL, CONSTANTS, BRDF, LAMP, LAMPS_SHARED, LOOKUP, LAMP_MAP, MAP_LOOKUP, MAP_LIGHT];
     parts.concat()
 }
 

@@ -41,6 +41,7 @@ const NO_CULLING: u32 = 0u;
 const FRUSTA: u32 = 1u;
 const VOXELS: u32 = 2u;
 
+// Where something is seen: the box of it, in cells, and the number of its block (see `CullGrid`).
 struct SourceCell {
     low: vec3<f32>,
     cell: u32,
@@ -56,7 +57,7 @@ struct Sources {
     cells: array<SourceCell>,
 }
 
-// Which sides of a map a box may appear in, from any point of a light's box, both in cells: twin of `sides_of`.
+// Which sides of a map a box may appear in, from any point of a light's box, both in cells: of a cube, twin of `faces_of`.
 fn sides_of(cells_per_m: vec3<f32>, low: vec3<f32>, high: vec3<f32>, cluster: Cluster, sides: u32, border: f32) -> u32 {
     let from_light = (low - cluster.high) / cells_per_m;
     let to_light = (high - cluster.low) / cells_per_m;

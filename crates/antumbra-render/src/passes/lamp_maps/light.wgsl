@@ -9,13 +9,7 @@
 @group(0) @binding(6) var<storage, read> mapped_lamps: array<MappedLamp>;
 @group(0) @binding(7) var<storage, read> map_layout: MapLayout;
 
-@group(1) @binding(0) var<storage, read> lights: array<AntumbraLight>;
-
 @group(2) @binding(0) var maps: texture_depth_2d_array;
-
-fn luminance(color: vec3<f32>) -> f32 {
-    return dot(color, vec3(0.2126, 0.7152, 0.0722));
-}
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -40,10 +34,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         if all(from_lamp.irradiance <= vec3(0.0)) || !can_be_lit(s, from_lamp.towards) {
             continue;
         }
-        var seen = 1.0;
-        if lamp.light != NOT_BAKED {
-            seen = looked_up(lights[lamp.light], s);
-        }
+        var seen = baked_share(lamp, s);
         if seen > 0.0 {
             seen *= map_visibility(own, lamp.position.xyz, s.position, s.face_normal);
         }

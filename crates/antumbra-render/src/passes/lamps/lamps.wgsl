@@ -9,12 +9,6 @@
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 @group(0) @binding(6) var<storage, read> veils: array<vec4<f32>>;
 
-@group(1) @binding(0) var<storage, read> lights: array<AntumbraLight>;
-
-fn luminance(color: vec3<f32>) -> f32 {
-    return dot(color, vec3(0.2126, 0.7152, 0.0722));
-}
-
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= frame.size) {
@@ -43,10 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             if all(from_lamp.irradiance <= vec3(0.0)) || !can_be_lit(s, from_lamp.towards) {
                 continue;
             }
-            var seen = 1.0;
-            if lamp.light != NOT_BAKED {
-                seen = looked_up(lights[lamp.light], s);
-            }
+            let seen = baked_share(lamp, s);
             if seen > 0.0 {
                 light += reflected(s, from_lamp.towards, from_lamp.irradiance, seen);
             }
