@@ -462,7 +462,7 @@ impl Items {
         // Room for whole words.
         let list_len = 32 * u64::from(values.item_words);
         let of_cluster = sides * list_len * 4;
-        gpu.check_size("the lists of triangles of a lamp's map", of_cluster)?;
+        gpu.check_size("the list of triangles of a lamp's map", of_cluster)?;
         let chunk = (LIST_BYTES.min(gpu.most_bytes()) / of_cluster).clamp(1, u64::from(how.batch));
         let marked = 4 * (grid.cells() as u64).div_ceil(32) * u64::from(marked_sides(how));
         Ok(Self {
