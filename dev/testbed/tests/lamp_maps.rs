@@ -68,7 +68,9 @@ const PROJECTIONS: [MapProjection; 2] = [MapProjection::Cube, MapProjection::Par
 fn no_way_of_culling_changes_a_pixel() {
     let mut stage = Stage::new(&gpu(), procedural("village", 0.08), 3, 3);
     for projection in PROJECTIONS {
-        for binning in [Binning::Whole, Binning::Clip, Binning::NoCull { most_cells: 2 }] {
+        let most_cells = 8;
+        let listed = Binning::NoCull { most_cells: 2 };
+        for binning in [Binning::Whole, Binning::Clip, listed, Binning::Levels { most_cells }] {
             let base = LampMaps { projection, binning, size: 256, ..LampMaps::default() };
             let all = stage.draw(LampMaps { culling: Culling::None, ..base.clone() });
             let ways = [
@@ -93,6 +95,7 @@ fn no_way_of_culling_changes_a_pixel() {
             LampMaps { grid: 8, ..base.clone() },
             LampMaps { grid: 17, ..base.clone() },
             LampMaps { grid: 128, ..base.clone() },
+            LampMaps { grid: 100, binning: Binning::Levels { most_cells: 2 }, ..base.clone() },
             LampMaps { batch: 3, ..base.clone() },
             LampMaps { budget_bytes: 1, ..base.clone() },
         ] {

@@ -278,6 +278,7 @@ impl Stage {
         let binned = |binning| LampMaps { binning, ..base.clone() };
         let clustered = |clustering| LampMaps { clustering, ..base.clone() };
         let of_grid = |grid| LampMaps { grid, ..base.clone() };
+        let of_levels = LampMaps { grid: 128, binning: Binning::Levels { most_cells: 8 }, ..base.clone() };
         let batches = |batch| LampMaps { batch, ..base.clone() };
         let all = (self.lights as u32).min(64);
         let kept = LampMaps { reuse: true, always_bin: false, batch: all, budget_bytes: 1 << 32, ..base.clone() };
@@ -289,6 +290,7 @@ impl Stage {
             ("binning", "whole, in every cell", base.clone()),
             ("binning", "cut at the cells' sides", binned(Binning::Clip)),
             ("binning", "whole, unculled beyond 2 cells", binned(Binning::NoCull { most_cells: 2 })),
+            ("binning", "whole, in coarser grids beyond 8 cells", binned(Binning::Levels { most_cells: 8 })),
             ("clusters", "none", clustered(Clustering::None)),
             ("clusters", "1 cell", base.clone()),
             ("clusters", "2 x 2 x 2 cells", clustered(Clustering::Cells(2))),
@@ -298,6 +300,7 @@ impl Stage {
             ("grid", "32", of_grid(32)),
             ("grid", "64", of_grid(64)),
             ("grid", "128", of_grid(128)),
+            ("grid", "128, and coarser ones beyond 8 cells", of_levels),
             ("lamps at once", "1", batches(1)),
             ("lamps at once", "4", batches(4)),
             ("lamps at once", "16", base.clone()),

@@ -28,8 +28,8 @@ pub(crate) struct CullGrid {
     pub most_cells: u32,
     pub hair: f32,
     pub source_level: u32,
-    pub pad_0: u32,
-    pub pad_1: u32,
+    pub levels: u32,
+    pub cells: u32,
 }
 
 /// The struct `Cluster` of `cluster.wgsl`.
@@ -82,8 +82,9 @@ const IS_CUT_OUT: u32 = 1 << 31;
 const CASTS_NOTHING: u32 = 1 << 30;
 const MOVES: u32 = 1 << 29;
 
-/// A value of `binning`: see `grid.wgsl`.
+/// Values of `binning`: see `grid.wgsl`.
 const LISTED: u32 = 2;
+const LEVELS: u32 = 3;
 
 /// What culling needs on the card.
 #[derive(Debug)]
@@ -182,11 +183,13 @@ impl Culler {
         let grid = Grid::new(bounds, how.grid);
         let rows = triangle_rows(&scene.parts);
         gpu.check_size("the table of triangles", 8 * rows.len() as u64)?;
-        let cells = grid.cells() as u64;
+        let levels = how.binning.levels(&grid);
+        let cells = grid.cells_to(levels) as u64;
         let (binning, most_cells) = match how.binning {
             Binning::Whole => (0, 0),
             Binning::Clip => (1, 0),
             Binning::NoCull { most_cells } => (LISTED, most_cells),
+            Binning::Levels { most_cells } => (LEVELS, most_cells),
         };
         let values = CullGrid {
             cells_per_m: grid.cells_per_m().as_vec3().to_array(),
@@ -195,6 +198,8 @@ impl Culler {
             binning,
             most_cells,
             source_level: source_level(how),
+            levels,
+            cells: cells as u32,
             ..CullGrid::default()
         };
         Ok(Self {
@@ -282,14 +287,14 @@ impl Culler {
         scene: &SceneBuffers,
         frame: &wgpu::Buffer,
     ) -> Result<Items, RenderError> {
-        let few = Items::new(gpu, how, &self.grid, &mut CullGrid { ..self.values }, 0)?;
+        let few = Items::new(gpu, how, &mut CullGrid { ..self.values }, 0)?;
         let mut timer = Timer::off();
         let mut recorder = Recorder::new(gpu, &mut timer);
         self.record_counts(gpu, &mut recorder, &few, scene, frame);
         recorder.submit();
         let begins: Vec<u32> = gpu.read(&self.begins)?;
-        let all = begins.get(self.grid.cells()).copied().unwrap_or(0);
-        Items::new(gpu, how, &self.grid, &mut self.values, u64::from(all) + u64::from(all) / 4 + 4096)
+        let all = begins.get(self.values.cells as usize).copied().unwrap_or(0);
+        Items::new(gpu, how, &mut self.values, u64::from(all) + u64::from(all) / 4 + 4096)
     }
 
     fn record_counts(
@@ -308,7 +313,7 @@ impl Culler {
         recorder.computes("bins", &[Step { kernel: &passes.count, groups: &[&groups[0], &groups[1]], workgroups }]);
         let own = [uniform, counts, blocks, begins].map(|b| b.as_entire_binding());
         let group = gpu.group(&passes.scan[0].layouts[0], &own);
-        let all = [(self.grid.cells() / 1024 + 1) as u32, 1, 1];
+        let all = [self.values.cells / 1024 + 1, 1, 1];
         let groups = [&group];
         let step = |kernel, workgroups| Step { kernel, groups: &groups, workgroups };
         let [sums, spine, spread] = &passes.scan;
@@ -361,7 +366,7 @@ impl Culler {
                 Step {
                     kernel: &passes.cells,
                     groups: &[&listed],
-                    workgroups: [(self.grid.cells() as u32).div_ceil(64), 1, 1],
+                    workgroups: [self.values.cells.div_ceil(64), 1, 1],
                 },
             ],
         );
@@ -452,7 +457,7 @@ impl Culler {
 
 impl Items {
     /// Room for so many triangles of cells.
-    fn new(gpu: &Gpu, how: &LampMaps, grid: &Grid, values: &mut CullGrid, refs: u64) -> Result<Self, RenderError> {
+    fn new(gpu: &Gpu, how: &LampMaps, values: &mut CullGrid, refs: u64) -> Result<Self, RenderError> {
         let is_cut = how.binning == Binning::Clip;
         let most = if is_cut { MOST_PIECES.min(gpu.most_bytes() / 36) } else { MOST_REFS.min(gpu.most_bytes() / 4) };
         let refs = refs.min(most).max(64);
@@ -464,7 +469,7 @@ impl Items {
         let of_cluster = sides * list_len * 4;
         gpu.check_size("the list of triangles of a lamp's map", of_cluster)?;
         let chunk = (LIST_BYTES.min(gpu.most_bytes()) / of_cluster).clamp(1, u64::from(how.batch));
-        let marked = 4 * (grid.cells() as u64).div_ceil(32) * u64::from(marked_sides(how));
+        let marked = 4 * u64::from(values.cells).div_ceil(32) * u64::from(marked_sides(how));
         Ok(Self {
             refs: gpu.zeros("triangles of cells", 4 * refs),
             pieces: gpu.zeros("pieces", if is_cut { 36 * refs } else { 0 }),

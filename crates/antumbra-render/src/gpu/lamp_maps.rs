@@ -556,6 +556,7 @@ mod tests {
             (Marking::Boxes, Binning::Whole),
             (Marking::Cells, Binning::Clip),
             (Marking::Steps, Binning::NoCull { most_cells: 2 }),
+            (Marking::Boxes, Binning::Levels { most_cells: 8 }),
         ] {
             let lights = scene.lights.clone();
             let setting = Setting { lights, time: Some(Time::Night), has_lamp_maps: true, ..Setting::default() };
@@ -576,13 +577,26 @@ mod tests {
             let grid = &culler.grid;
             let bins = Bins::new(grid, &corners, binning);
             let own = |cell: usize| bins.of_cell(cell).len() as u32;
-            let cells_off = (0..grid.cells()).filter(|c| begins[c + 1] - begins[*c] != own(*c)).count();
+            let cells = 0..grid.cells_to(binning.levels(grid));
+            let cells_off = cells.filter(|c| begins[c + 1] - begins[*c] != own(*c)).count();
             assert!(bins.occupied().count() > 500 && cells_off <= 4, "{binning:?}: {cells_off} cells differ");
             let marks = marks(&receivers, grid, light, marking, footprint);
             let marked = (0..grid.cells()).filter(|cell| marks.has(*cell)).count();
             let differ = |cell: &usize| marks.has(*cell) != (on_card[cell / 32] >> (cell % 32) & 1 != 0);
             let marks_off = (0..grid.cells()).filter(differ).count();
             assert!(marked > 200 && marks_off <= 4, "{marking:?}: {marks_off} of {marked} marks differ");
+            // Of coarser grids those are marked in which cells are.
+            for level in 1..binning.levels(grid) {
+                let coarser = grid.coarser(level);
+                let is_set = |number: usize| on_card[number / 32] >> (number % 32) & 1 != 0;
+                let mut expected = vec![false; coarser.cells()];
+                for cell in (0..grid.cells()).filter(|number| is_set(*number)).map(|number| grid.cell(number)) {
+                    expected[coarser.number(cell / (1 << level)).expect("inside")] = true;
+                }
+                let first = grid.cells_to(level);
+                let found: Vec<bool> = (first..first + coarser.cells()).map(is_set).collect();
+                assert_eq!(found, expected, "level {level}");
+            }
         }
     }
 

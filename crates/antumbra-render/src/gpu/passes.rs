@@ -559,7 +559,7 @@ mod tests {
                     (
                         "CullGrid",
                         offsets!(CullGrid: cells_per_m side eye triangles most_refs item_words binning most_cells
-                        hair source_level pad_0 pad_1),
+                        hair source_level levels cells),
                     ),
                     (
                         "Cluster",

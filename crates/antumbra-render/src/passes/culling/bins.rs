@@ -18,11 +18,27 @@ pub enum Binning {
         /// Most cells that a triangle may touch and be culled.
         most_cells: u32,
     },
+    /// Kept whole, in the cells of the first of ever coarser grids ([`Grid::coarser`]) in which they touch no more than so many
+    /// cells. A cell of a coarser grid counts as marked if any cell in it is.
+    Levels {
+        /// Most cells that a triangle lies in; those that touch more of the coarsest grid with so many are culled by nothing.
+        most_cells: u32,
+    },
+}
+
+impl Binning {
+    /// Levels of a grid that triangles are binned in.
+    #[must_use]
+    pub fn levels(self, grid: &Grid) -> u32 {
+        if matches!(self, Self::Levels { .. }) { grid.levels() } else { 1 }
+    }
 }
 
 /// The triangles of each cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bins {
+    grid: Grid,
+    levels: u32,
     /// Where each cell's triangles begin, and where the last one's end.
     begins: Vec<usize>,
     /// Indices of triangles, cell by cell, ascending in each.
@@ -54,9 +70,12 @@ impl Bins {
         let mut pieces: Vec<Piece> = binned.into_iter().flatten().flatten().collect();
         // In the order of triangles within each cell: the sort is stable.
         pieces.sort_by_key(|piece| piece.cell);
-        let begins = (0..=grid.cells()).map(|cell| pieces.partition_point(|piece| (piece.cell as usize) < cell));
+        let levels = binning.levels(grid);
+        let begins = (0..=grid.cells_to(levels)).map(|cell| pieces.partition_point(|piece| (piece.cell as usize) < cell));
         let is_clipped = binning == Binning::Clip;
         Self {
+            grid: *grid,
+            levels,
             begins: begins.collect(),
             triangles: pieces.iter().map(|piece| piece.triangle).collect(),
             pieces: if is_clipped { pieces.iter().map(|piece| piece.corners).collect() } else { Vec::new() },
@@ -64,7 +83,7 @@ impl Bins {
         }
     }
 
-    /// A cell's triangles, as indices.
+    /// A cell's triangles, as indices; cells of coarser grids are numbered after those of finer ones.
     #[must_use]
     pub fn of_cell(&self, cell: usize) -> &[u32] {
         &self.triangles[self.begins[cell]..self.begins[cell + 1]]
@@ -94,14 +113,29 @@ impl Bins {
     /// in each, as it is drawn in each.
     #[must_use]
     pub fn drawn(&self, marks: &Marks) -> usize {
-        self.occupied().filter(|cell| marks.has(*cell)).map(|cell| self.of_cell(cell).len()).sum::<usize>()
+        self.marked(marks).map(|cell| self.of_cell(cell).len()).sum::<usize>()
             + self.unculled.len()
+    }
+
+    /// Cells that have triangles and are marked, or, of a coarser grid, in which some cell is.
+    fn marked(&self, marks: &Marks) -> impl Iterator<Item = usize> + '_ {
+        let mut known = vec![(0..self.grid.cells()).map(|cell| marks.has(cell)).collect::<Vec<_>>()];
+        for level in 1..self.levels {
+            let [finer, own] = [level - 1, level].map(|level| self.grid.coarser(level));
+            let mut coarser = vec![false; own.cells()];
+            for (cell, _) in known.last().into_iter().flatten().enumerate().filter(|(_, is_marked)| **is_marked) {
+                own.number(finer.cell(cell) / 2).into_iter().for_each(|number| coarser[number] = true);
+            }
+            known.push(coarser);
+        }
+        let known = known.concat();
+        self.occupied().filter(move |cell| known[*cell])
     }
 
     /// Indices of the triangles of marked cells and of those that nothing culls: ascending, each once.
     #[must_use]
     pub fn survivors(&self, marks: &Marks) -> Vec<u32> {
-        let marked = self.occupied().filter(|cell| marks.has(*cell)).flat_map(|cell| self.of_cell(cell));
+        let marked = self.marked(marks).flat_map(|cell| self.of_cell(cell));
         let mut all: Vec<u32> = marked.chain(&self.unculled).copied().collect();
         all.sort_unstable();
         all.dedup();
@@ -123,6 +157,17 @@ fn pieces(grid: &Grid, triangle: u32, world: [DVec3; 3], binning: Binning) -> Op
             let own: Vec<Piece> =
                 numbered.take(most_cells as usize + 1).map(|(_, cell)| Piece { cell, triangle, corners }).collect();
             (own.len() <= most_cells as usize).then_some(own)
+        }
+        Binning::Levels { most_cells } => {
+            let most = most_cells as usize;
+            let of_level = |level| {
+                let coarser = grid.coarser(level);
+                let corners = corners.map(|p| p / (1 << level) as f32);
+                let own = touched(&coarser, &corners).filter_map(|cell| coarser.number(cell)).take(most + 1).collect();
+                Some(own).filter(|own: &Vec<usize>| own.len() <= most).map(|own| (grid.cells_to(level), own))
+            };
+            let (first, own) = (0..grid.levels()).find_map(of_level)?;
+            Some(own.into_iter().map(|n| Piece { cell: (first + n) as u32, triangle, corners }).collect())
         }
         Binning::Clip => {
             let own =

@@ -97,8 +97,7 @@ fn piece_in(t: array<vec3<f32>, 3>, cell: vec3<f32>) -> Polygon {
     return polygon;
 }
 
-fn put(triangle: u32, t: array<vec3<f32>, 3>, cell: vec3<i32>) {
-    let number = number_of(grid, cell);
+fn put(triangle: u32, t: array<vec3<f32>, 3>, number: u32, cell: vec3<i32>) {
     if grid.binning != CUT {
         let place = atomicAdd(&counts[number], 1u);
         if FILL {
@@ -134,10 +133,12 @@ fn put(triangle: u32, t: array<vec3<f32>, 3>, cell: vec3<i32>) {
     }
 }
 
-// Visits the cells that a triangle touches, and says how many; more than `most` are not counted on. Columns of cells along the
-// axis that its plane faces most, in each of which the plane runs through three cells at most.
-fn visit(triangle: u32, t: array<vec3<f32>, 3>, most: u32, is_put: bool) -> u32 {
-    let last = f32(grid.side - 1u);
+// Visits the cells of a level that a triangle touches, and says how many; more than `most` are not counted on. Columns of cells along
+// the axis that its plane faces most, in each of which the plane runs through three cells at most. Corners are in cells of the level.
+fn visit(triangle: u32, t: array<vec3<f32>, 3>, level: u32, most: u32, is_put: bool) -> u32 {
+    let side = side_of(grid, level);
+    let first_number = first_of(grid, level);
+    let last = f32(side - 1u);
     let low = vec3<i32>(clamp(floor(min(t[0], min(t[1], t[2])) - grid.hair), vec3(0.0), vec3(last)));
     let high = vec3<i32>(clamp(floor(max(t[0], max(t[1], t[2])) + grid.hair), vec3(0.0), vec3(last)));
     let normal = cross(t[1] - t[0], t[2] - t[0]);
@@ -172,7 +173,7 @@ fn visit(triangle: u32, t: array<vec3<f32>, 3>, most: u32, is_put: bool) -> u32 
                 if touches(t, vec3<f32>(cell)) {
                     count += 1u;
                     if is_put {
-                        put(triangle, t, cell);
+                        put(triangle, t, first_number + number_of(side, cell), cell);
                     }
                 }
             }
@@ -205,12 +206,20 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
         keep_always(triangle);
         return;
     }
-    let most = select(~0u - 1u, grid.most_cells, grid.binning == LISTED);
-    if grid.binning == LISTED && visit(triangle, t, most, false) > most {
-        keep_always(triangle);
-        return;
+    var level = 0u;
+    if grid.binning == LISTED || grid.binning == LEVELS {
+        while visit(triangle, t, level, grid.most_cells, false) > grid.most_cells {
+            level += 1u;
+            if level >= grid.levels {
+                keep_always(triangle);
+                return;
+            }
+            for (var i = 0u; i < 3u; i++) {
+                t[i] *= 0.5;
+            }
+        }
     }
-    if visit(triangle, t, ~0u - 1u, true) == ~0u {
+    if visit(triangle, t, level, ~0u - 1u, true) == ~0u {
         keep_always(triangle);
     }
 }

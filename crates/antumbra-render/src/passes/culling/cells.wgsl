@@ -23,7 +23,7 @@ fn unsorted(bits: u32) -> f32 {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let cell = id.x;
-    if cell >= grid.side * grid.side * grid.side {
+    if cell >= grid.cells {
         return;
     }
     if begins[cell + 1u] > begins[cell] {

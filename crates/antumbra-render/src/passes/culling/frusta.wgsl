@@ -11,15 +11,15 @@
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let cluster = clusters[chunk.first + id.y];
-    let words = (grid.side * grid.side * grid.side + 31u) / 32u;
+    let words = cell_words(grid);
     for (var i = id.x; i < occupied[0]; i += 64u * groups.x) {
         let number = occupied[1u + i];
-        let cell = vec3<f32>(cell_of(grid, number));
+        let cell = cell_box(grid, cell_of(grid, number));
         // What lookups read lies outside of the frustum by as much as they read beside their points.
-        let farthest = max(abs(cell + 1.0 - cluster.low), abs(cluster.high - cell)) / grid.cells_per_m;
+        let farthest = max(abs(cell[1] - cluster.low), abs(cluster.high - cell[0])) / grid.cells_per_m;
         let reach = 1.1 * cluster.reach * length(farthest);
-        let low = (cell - grid.hair - grid.eye) / grid.cells_per_m - reach;
-        let high = (cell + 1.0 + grid.hair - grid.eye) / grid.cells_per_m + reach;
+        let low = (cell[0] - grid.eye) / grid.cells_per_m - reach;
+        let high = (cell[1] - grid.eye) / grid.cells_per_m + reach;
         var is_kept = true;
         for (var p = cluster.first_plane; p < cluster.first_plane + cluster.planes; p++) {
             let plane = planes[p];

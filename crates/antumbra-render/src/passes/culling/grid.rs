@@ -48,6 +48,26 @@ impl Grid {
         (self.side as usize).pow(3)
     }
 
+    /// How many cells the grids of so many levels have together: each is of cells twice as wide as the one before, so many that
+    /// they cover it. Their cells are numbered one grid after the other.
+    #[must_use]
+    pub fn cells_to(&self, levels: u32) -> usize {
+        (0..levels).map(|level| self.coarser(level).cells()).sum()
+    }
+
+    /// Levels of the grid until a single cell covers it.
+    #[must_use]
+    pub fn levels(&self) -> u32 {
+        self.side.next_power_of_two().ilog2() + 1
+    }
+
+    /// The grid of a level: cells 2^level times as wide.
+    #[must_use]
+    pub fn coarser(&self, level: u32) -> Self {
+        let width = 1 << level;
+        Self { side: self.side.div_ceil(width), cells_per_m: self.cells_per_m / f64::from(width), ..*self }
+    }
+
     /// Cells per metre along each axis.
     #[must_use]
     pub fn cells_per_m(&self) -> DVec3 {

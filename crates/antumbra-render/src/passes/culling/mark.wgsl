@@ -16,14 +16,23 @@ fn mark(cluster: u32, sides: u32, cell: vec3<i32>) {
     if any(cell < vec3(0)) || any(cell >= vec3(i32(grid.side))) {
         return;
     }
-    let number = number_of(grid, cell);
-    let words = (grid.side * grid.side * grid.side + 31u) / 32u;
-    let bit = 1u << (number & 31u);
-    for (var left = sides; left != 0u; left &= left - 1u) {
-        let at = (cluster * chunk.marked_sides + countTrailingZeros(left)) * words + number / 32u;
-        if (atomicLoad(&marks[at]) & bit) == 0u {
-            atomicOr(&marks[at], bit);
+    let words = cell_words(grid);
+    var first = 0u;
+    var unmarked = sides;
+    // Whoever marks a cell marks those about it in the coarser grids.
+    for (var level = 0u; level < grid.levels && unmarked != 0u; level++) {
+        let side = side_of(grid, level);
+        let number = first + number_of(side, cell >> vec3(level));
+        let bit = 1u << (number & 31u);
+        for (var left = unmarked; left != 0u; left &= left - 1u) {
+            let at = (cluster * chunk.marked_sides + countTrailingZeros(left)) * words + number / 32u;
+            if (atomicLoad(&marks[at]) & bit) == 0u {
+                atomicOr(&marks[at], bit);
+            } else {
+                unmarked &= ~(left & (~left + 1u));
+            }
         }
+        first += side * side * side;
     }
 }
 
@@ -91,7 +100,7 @@ fn widened(source: SourceCell, reach_per_m: f32, light: array<vec3<f32>, 2>) -> 
     var low = source.low;
     var high = source.high;
     if MARKING != BOXES {
-        let cell = vec3<f32>(cell_of(grid, source.cell));
+        let cell = vec3<f32>(cell_of(grid, source.cell).at);
         low = min(low, cell);
         high = max(high, cell + 1.0);
     }
@@ -153,7 +162,7 @@ fn main(
         for (var i = group.x * 32u + lane; i < sources.count; i += 32u * groups.x) {
             let own = widened(sources.cells[i], cluster.reach, light);
             let middle = clamp(floor(0.5 * (cluster.low + cluster.high)), vec3(-1e6), vec3(1e6));
-            mark_by_steps(group.y, sides_seen(own, cluster), vec3<i32>(cell_of(grid, sources.cells[i].cell)), vec3<i32>(middle));
+            mark_by_steps(group.y, sides_seen(own, cluster), vec3<i32>(cell_of(grid, sources.cells[i].cell).at), vec3<i32>(middle));
         }
         return;
     }

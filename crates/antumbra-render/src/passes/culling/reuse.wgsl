@@ -16,7 +16,7 @@ var<workgroup> is_stale: atomic<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let words = (grid.side * grid.side * grid.side + 31u) / 32u;
+    let words = cell_words(grid);
     let first = group.x * words;
     let kept = first + chunk.first_in_batch * chunk.marked_sides * words;
     let cluster = group.x / chunk.marked_sides;

@@ -14,7 +14,7 @@ const MOST: u32 = 0x3fffffffu;
 var<workgroup> sums: array<u32, 256>;
 
 fn count_of(cell: u32) -> u32 {
-    if cell < grid.side * grid.side * grid.side {
+    if cell < grid.cells {
         return min(counts[cell], MOST / 4u);
     }
     return 0u;
@@ -43,7 +43,7 @@ fn before(lane: u32, own: u32) -> u32 {
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     if STEP == 1u {
         // One workgroup for all blocks.
-        let all = (grid.side * grid.side * grid.side + BLOCK) / BLOCK;
+        let all = (grid.cells + BLOCK) / BLOCK;
         var carried = 0u;
         for (var first = 0u; first < all; first += 256u) {
             let at = first + lane;
@@ -71,7 +71,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     var at = min(blocks[group.x] + sum, MOST);
     for (var i = 0u; i < 4u; i++) {
-        if cell + i <= grid.side * grid.side * grid.side {
+        if cell + i <= grid.cells {
             begins[cell + i] = at;
         }
         at = min(at + own[i], MOST);

@@ -19,7 +19,7 @@ fn sides_to_draw(cluster: u32, number: u32) -> u32 {
     if all == 0u || chunk.culling == NO_CULLING {
         return all;
     }
-    let words = (grid.side * grid.side * grid.side + 31u) / 32u;
+    let words = cell_words(grid);
     var sides = 0u;
     for (var side = 0u; side < chunk.marked_sides; side++) {
         let word = marks[(cluster * chunk.marked_sides + side) * words + number / 32u];
@@ -32,11 +32,9 @@ fn sides_to_draw(cluster: u32, number: u32) -> u32 {
     if sides == 0u {
         return 0u;
     }
-    let cell = vec3<f32>(cell_of(grid, number));
-    let low = cell - grid.hair;
-    let high = cell + 1.0 + grid.hair;
+    let cell = cell_box(grid, cell_of(grid, number));
     let own = clusters[chunk.first + cluster];
-    return sides & sides_of(grid.cells_per_m, low, high, own, chunk.sides, own.border);
+    return sides & sides_of(grid.cells_per_m, cell[0], cell[1], own, chunk.sides, own.border);
 }
 
 var<workgroup> cells: array<u32, 32>;

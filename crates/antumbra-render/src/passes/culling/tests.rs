@@ -121,6 +121,7 @@ proptest! {
         let triangles: Vec<[DVec3; 3]> = corners.iter().map(|t| t.map(metres)).collect();
         let bins = Bins::new(&grid, &triangles, Binning::Whole);
         let clipped = Bins::new(&grid, &triangles, Binning::Clip);
+        let levels = Bins::new(&grid, &triangles, Binning::Levels { most_cells: 3 });
         for (i, [a, b, c]) in corners.iter().enumerate() {
             let mut area = 0.0;
             for [u, v] in &shares {
@@ -128,6 +129,9 @@ proptest! {
                 let cell = (*a + (*b - *a) * u + (*c - *a) * v).floor().as_ivec3().min(IVec3::splat(SIDE as i32 - 1));
                 let number = grid.number(cell).expect("inside");
                 prop_assert!(bins.of_cell(number).contains(&(i as u32)), "triangle {i} lacks {cell}");
+                let mut marks = Marks::none(&grid);
+                marks.set(number);
+                prop_assert!(levels.survivors(&marks).contains(&(i as u32)), "triangle {i} is culled at {cell}");
             }
             // Pieces cover the triangle once.
             for number in clipped.occupied() {
@@ -258,7 +262,8 @@ fn what_lies_off_the_grid_is_not_culled_and_is_seen_from_its_rim() {
     let outside = Receivers::new(&grid, [DVec3::splat(-5.0)]).cells;
     assert!(outside.len() == 1 && outside[0].cell == IVec3::ZERO && outside[0].low.max_element() < -4.9);
     let triangle = [DVec3::ZERO, DVec3::X, DVec3::new(0.0, 40.0, 0.0)];
-    for binning in [Binning::Whole, Binning::Clip, Binning::NoCull { most_cells: 2 }] {
+    let most_cells = 2;
+    for binning in [Binning::Whole, Binning::Clip, Binning::NoCull { most_cells }, Binning::Levels { most_cells }] {
         let bins = Bins::new(&grid, &[triangle], binning);
         assert_eq!((bins.unculled(), bins.occupied().count()), (&[0][..], 0));
     }
@@ -270,6 +275,23 @@ fn what_lies_off_the_grid_is_not_culled_and_is_seen_from_its_rim() {
     let flat = Grid::new(&Bounds { min: DVec3::ZERO, max: DVec3::new(8.0, 0.0, 8.0) }, 8);
     assert!((flat.cells_per_m() - 1.0).abs().max_element() < 0.01);
     assert!((flat.at(DVec3::ZERO).y - 4.0).abs() < 0.01);
+}
+
+#[test]
+fn large_triangles_lie_in_coarser_grids() {
+    let grid = grid();
+    assert_eq!((grid.levels(), grid.cells_to(5)), (5, 4096 + 512 + 64 + 8 + 1));
+    assert_eq!((Grid::new(&grid.bounds(IVec3::ZERO), 17).levels(), grid.coarser(4).side()), (6, 1));
+    let sized = |m: f64| [DVec3::splat(0.1), DVec3::new(m, 0.1, 0.1), DVec3::new(0.1, 0.1, m)];
+    let bins = Bins::new(&grid, &[sized(1.5), sized(3.5), sized(15.5)], Binning::Levels { most_cells: 4 });
+    let levels_of = |triangle: u32| -> Vec<usize> {
+        let own = |level: &u32| {
+            let mut cells = grid.cells_to(*level)..grid.cells_to(*level + 1);
+            cells.any(|cell| bins.of_cell(cell).contains(&triangle))
+        };
+        (0..grid.levels()).filter(own).map(|level| level as usize).collect()
+    };
+    assert_eq!([0, 1, 2].map(levels_of), [vec![0], vec![1], vec![3]]);
 }
 
 #[test]
