@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use antumbra::format::dag8::NodeCounts;
+use antumbra::format::light::{ENCODING_DAG8, ENCODING_SILHOUETTE};
 use antumbra::format::stat::BakeStats;
 use antumbra::format::write::{Contents, write_paced};
 use antumbra::{DepthDistribution, Interior, LightKind};
@@ -11,7 +12,8 @@ use antumbra_scene::{Light, Scene};
 use crate::casters::{Blend, CasterOptions, Casters, Inverted};
 use crate::dag::{EncodeError, Encoded, Id, LevelsError, Tables, coarse_levels, encode};
 use crate::light_space::Resolution;
-use crate::lights::{BuiltLight, Lights};
+use crate::lights::{BuiltLight, Lights, Nodes};
+use crate::silhouette::{self, Tree};
 
 /// How fine a light's grid is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,6 +52,35 @@ impl Method {
     }
 }
 
+/// How shadows are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// The papers' voxel graph: [`antumbra::format::dag8`].
+    #[default]
+    Dag8,
+    /// Edges and planes, which hardly grow with resolution: [`antumbra::format::silhouette`].
+    Silhouette,
+}
+
+impl Encoding {
+    /// As commands and tables call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dag8 => "dag8",
+            Self::Silhouette => "silhouette",
+        }
+    }
+
+    /// As light records have it.
+    pub(crate) fn number(self) -> u32 {
+        match self {
+            Self::Dag8 => ENCODING_DAG8,
+            Self::Silhouette => ENCODING_SILHOUETTE,
+        }
+    }
+}
+
 /// What to bake, and within which limits.
 #[derive(Clone, Copy, Debug)]
 pub struct BakeOptions {
@@ -70,6 +101,8 @@ pub struct BakeOptions {
     pub levels: bool,
     /// Whether to add enter depths, for blocker lookups.
     pub enter_depths: bool,
+    /// How shadows are stored.
+    pub encoding: Encoding,
     /// How graphs are constructed.
     pub method: Method,
     /// Whether Kämpe et al.'s method reuses the adjacent node in front where that is identical, instead of merging it away
@@ -94,6 +127,7 @@ impl Default for BakeOptions {
             local_depth: DepthDistribution::Logarithmic,
             levels: false,
             enter_depths: false,
+            encoding: Encoding::Dag8,
             method: Method::Columns,
             cull_identical: true,
             plain_code: false,
@@ -226,6 +260,14 @@ pub enum BakeError {
         method: &'static str,
         /// The policy.
         policy: &'static str,
+    },
+    /// Something that an encoding has no place for.
+    #[error("the encoding {encoding} does not know {what}; use --encoding dag8")]
+    Encoding {
+        /// The encoding.
+        encoding: &'static str,
+        /// What was asked for.
+        what: &'static str,
     },
     /// Texels so small that no grid has them.
     #[error(
@@ -360,6 +402,14 @@ pub(crate) fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeE
     if options.method != Method::Columns && matches!(options.interior, Interior::Thickness(_) | Interior::Static(_)) {
         return Err(BakeError::MethodInterior { method: options.method.name(), policy: options.interior.name() });
     }
+    if options.encoding == Encoding::Silhouette {
+        let encoding = options.encoding.name();
+        let what = if options.levels { Some("coarse levels") } else { None };
+        let what = what.or((options.method != Method::Columns).then_some("other methods than columns"));
+        if let Some(what) = what {
+            return Err(BakeError::Encoding { encoding, what });
+        }
+    }
     let is_direction = |d: glam::DVec3| d.is_finite() && d != glam::DVec3::ZERO;
     let has_direction = |l: &Light| l.kind == antumbra_scene::LightKind::Point || is_direction(l.direction_world);
     if let Some(light) = lights.iter().find(|l| !has_direction(l)) {
@@ -391,20 +441,37 @@ fn casters_warnings(casters: &Casters<'_>, options: &BakeOptions) -> Vec<String>
 fn finish(
     casters: &Casters<'_>,
     tables: Tables,
-    built: Vec<BuiltLight>,
+    mut built: Vec<BuiltLight>,
     options: &BakeOptions,
     progress: &dyn Progress,
     warnings: Vec<String>,
 ) -> Result<Baked, BakeError> {
     let limit = options.memory_limit.unwrap_or(u64::MAX);
-    let mut roots: Vec<(Id, u32)> = Vec::new();
-    for light in &built {
-        roots.extend(light.roots.iter().map(|root| (*root, light.record.log2_resolution)));
+    let (mut roots, mut trees): (Vec<(Id, u32)>, Vec<Tree>) = (Vec::new(), Vec::new());
+    let mut faces = Vec::with_capacity(built.len());
+    for light in &mut built {
+        faces.push(light.roots.len());
+        for nodes in std::mem::take(&mut light.roots) {
+            match nodes {
+                Nodes::Graph(root) => roots.push((root, light.record.log2_resolution)),
+                Nodes::Tree(tree) => trees.push(tree),
+            }
+        }
     }
-    let light_roots = roots.len();
+    let light_roots = roots.len() + trees.len();
     if options.levels {
         progress.stage("making coarse levels");
-        let lights = built.iter().map(|light| (&light.roots[..], light.record.log2_resolution));
+        let mut next = 0;
+        let of_lights: Vec<(Vec<Id>, u32)> = built
+            .iter()
+            .zip(&faces)
+            .map(|(light, faces)| {
+                let own = roots[next..next + faces].iter().map(|(root, _)| *root).collect();
+                next += faces;
+                (own, light.record.log2_resolution)
+            })
+            .collect();
+        let lights = of_lights.iter().map(|(roots, log2)| (&roots[..], *log2));
         roots.extend(coarse_levels(&tables, lights, limit, &|| progress.pause()).map_err(|e| match e {
             LevelsError::MemoryLimit => BakeError::Memory { limit, stage: "making coarse levels" },
             LevelsError::TooManyNodes => BakeError::TooManyNodes,
@@ -412,7 +479,11 @@ fn finish(
         })?);
     }
     progress.stage("encoding");
-    let encoded: Encoded = encode(tables, &roots, limit, &|| progress.pause()).map_err(|e| match e {
+    let encoded: Encoded = match options.encoding {
+        Encoding::Dag8 => encode(tables, &roots, limit, &|| progress.pause()),
+        Encoding::Silhouette => silhouette::encode(trees, limit, &|| progress.pause()),
+    }
+    .map_err(|e| match e {
         EncodeError::MemoryLimit => BakeError::Memory { limit, stage: "encoding" },
         EncodeError::TooManyWords => BakeError::TooManyNodes,
         EncodeError::Cancelled => BakeError::Cancelled,
@@ -423,8 +494,8 @@ fn finish(
     let mut reports = Vec::with_capacity(built.len());
     let mut enters = Vec::new();
     let mut next_root = 0;
-    for light in &built {
-        let of_light = next_root..next_root + light.roots.len();
+    for (light, faces) in built.iter().zip(faces) {
+        let of_light = next_root..next_root + faces;
         next_root = of_light.end;
         let mut record = light.record;
         record.name_offset = names.len() as u32;
@@ -432,7 +503,7 @@ fn finish(
         names.push_str(&light.name);
         record.interior = policy;
         record.interior_parameter_m = parameter;
-        record.roots[..light.roots.len()].copy_from_slice(&encoded.roots[of_light.clone()]);
+        record.roots[..faces].copy_from_slice(&encoded.roots[of_light.clone()]);
         records.push(record);
         enters.extend_from_slice(&light.enters);
         reports.push(light.report(&encoded.added[of_light]));

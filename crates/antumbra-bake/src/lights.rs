@@ -8,13 +8,14 @@ use antumbra::{LightKind, LightRecord};
 use antumbra_scene::Light;
 use rayon::prelude::*;
 
-use crate::bake::{BakeError, BakeOptions, LightReport, Method, Progress, Stage, Stopwatch};
+use crate::bake::{BakeError, BakeOptions, Encoding, LightReport, Method, Progress, Stage, Stopwatch};
 use crate::baseline;
 use crate::casters::Casters;
 use crate::columns::{Build, BuildError, BuildTriangle, Cutout, EnterGrid, Freedom, build};
 use crate::dag::{Id, LIT, Tables};
 use crate::light_space::Slices;
 use crate::place::{FaceCasters, LightSpace, SpaceRequest, for_each_placed, place_all};
+use crate::silhouette::{self, Tree};
 
 /// What all lights of a bake share.
 #[derive(Clone, Copy)]
@@ -25,13 +26,21 @@ pub(crate) struct Lights<'a> {
     pub progress: &'a dyn Progress,
 }
 
+/// What a face is built into.
+pub(crate) enum Nodes {
+    /// A root in the shared tables.
+    Graph(Id),
+    /// A tree of its own.
+    Tree(Tree),
+}
+
 /// A finished light.
 pub(crate) struct BuiltLight {
     pub name: String,
     /// But for name, policy and roots.
     pub record: LightRecord,
     /// One per face.
-    pub roots: Vec<Id>,
+    pub roots: Vec<Nodes>,
     /// Its part of the `ENTR` section.
     pub enters: Vec<u8>,
     pub stages: Vec<Stage>,
@@ -50,7 +59,12 @@ impl BuiltLight {
             bytes: added.iter().map(|(_, words)| 4 * words).sum(),
             build_seconds: self.stages.iter().map(|stage| stage.seconds).sum(),
             stages: self.stages.clone(),
-            nodes: NodeCounts { inner: sum(|c| c.inner), slices: sum(|c| c.slices), masks: sum(|c| c.masks) },
+            nodes: NodeCounts {
+                inner: sum(|c| c.inner),
+                slices: sum(|c| c.slices),
+                masks: sum(|c| c.masks),
+                cuts: sum(|c| c.cuts),
+            },
         }
     }
 }
@@ -102,7 +116,11 @@ impl Lights<'_> {
         let progress = |share| self.progress.advance(share);
         let mut built = self.build_faces(light, &space, &slices, &[casters], running, clock, &progress)?;
         built.warnings.extend(first_hits.warning(self.casters.scene()));
-        if built.roots == [LIT] {
+        let is_lit = |nodes: &Nodes| match nodes {
+            Nodes::Graph(root) => *root == LIT,
+            Nodes::Tree(tree) => tree.is_lit(space.resolution().texels()),
+        };
+        if built.roots.iter().all(is_lit) {
             built.warnings.push(format!(
                 "no caster covers a texel of \"{}\": everything is lit; look at the casters' sizes and places",
                 light.name
@@ -148,7 +166,7 @@ impl Lights<'_> {
         let built = faces
             .iter()
             .map(|face| self.build_face(face, slices, &freedom, running, &mut enters, progress))
-            .collect::<Result<Vec<(Id, Vec<Stage>)>, BakeError>>();
+            .collect::<Result<Vec<(Nodes, Vec<Stage>)>, BakeError>>();
         running.bytes.fetch_sub(held, Ordering::Relaxed);
         let mut roots = Vec::with_capacity(faces.len());
         for (root, stages) in built? {
@@ -165,7 +183,7 @@ impl Lights<'_> {
         }
         Ok(BuiltLight {
             name: light.name.clone(),
-            record: space.record(),
+            record: LightRecord { encoding: self.options.encoding.number(), ..space.record() },
             roots,
             enters: section,
             stages: clock.stages,
@@ -181,7 +199,7 @@ impl Lights<'_> {
         running: &Running,
         enters: &mut Vec<Vec<enter::Cell>>,
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<(Id, Vec<Stage>), BakeError> {
+    ) -> Result<(Nodes, Vec<Stage>), BakeError> {
         let memory_limit = self.limit().saturating_sub(running.bytes.load(Ordering::Relaxed));
         let grid = self.options.enter_depths.then(|| EnterGrid::new(slices.resolution()));
         let face = Build {
@@ -197,8 +215,14 @@ impl Lights<'_> {
             plain_code: self.options.plain_code,
         };
         let built = match self.options.method {
-            Method::Columns => build(&face).map(|root| (root, Vec::new())),
-            method => baseline::build(baseline::Request::new(&face, method, self.options.cull_identical)),
+            _ if self.options.encoding == Encoding::Silhouette => {
+                silhouette::build(&face).map(|tree| (Nodes::Tree(tree), Vec::new()))
+            }
+            Method::Columns => build(&face).map(|root| (Nodes::Graph(root), Vec::new())),
+            method => {
+                let built = baseline::build(baseline::Request::new(&face, method, self.options.cull_identical));
+                built.map(|(root, stages)| (Nodes::Graph(root), stages))
+            }
         };
         enters.extend(grid.map(|grid| grid.cells()));
         built.map_err(|e| match e {

@@ -102,7 +102,7 @@ fn malformed_records_are_refused() {
         ("a resolution of 32", |r| r.log2_resolution = 5),
         ("a resolution of 2^21", |r| r.log2_resolution = 21),
         ("an unknown policy", |r| r.interior = 5),
-        ("an unknown encoding", |r| r.encoding = 1),
+        ("an unknown encoding", |r| r.encoding = 2),
         ("a second root", |r| r.roots[1] = 1),
         ("no texel size", |r| r.texel_size_m = 0.0),
         ("a negative slice size", |r| r.slice_size_m = -1.0),

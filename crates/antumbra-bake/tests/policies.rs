@@ -7,8 +7,8 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use antumbra::{DepthDistribution, Interior};
-use antumbra_bake::BakeOptions;
 use antumbra_bake::casters::{Blend, CasterOptions, Casters, Inverted};
+use antumbra_bake::{BakeOptions, Encoding};
 use antumbra_scene::{AlphaMode, Image, Light, Material, Scene, TextureRef, Wrap};
 use common::{
     TestMesh, bake_for_check, check_all, cuboid, lamp, loose, options, scene, solid, soup, spot, sun, turned,
@@ -104,14 +104,16 @@ proptest! {
     #[test]
     fn agrees_with_the_oracle(
         meshes in meshes(), light in light(), interior in interior(), local_depth in distribution(),
-        near in prop::option::of(0.01f64..0.25), masked in prop::option::of(any::<u32>()),
+        near in prop::option::of(0.01f64..0.25), masked in prop::option::of(any::<u32>()), is_dag8 in any::<bool>(),
     ) {
         let mut scene = scene(meshes, DAffine3::IDENTITY);
         prop_assume!(!scene.nodes.is_empty());
         if let Some(seed) = masked {
             mask(&mut scene, seed);
         }
-        let options = BakeOptions { near_m: near, local_depth, enter_depths: true, levels: true, ..options(interior, 64, 1) };
+        let encoding = if is_dag8 { Encoding::Dag8 } else { Encoding::Silhouette };
+        let own = BakeOptions { near_m: near, local_depth, encoding, ..options(interior, 64, 1) };
+        let options = BakeOptions { enter_depths: true, levels: is_dag8, ..own };
         check_all(&bake_for_check(&scene, &light, &options)).map_err(TestCaseError::fail)?;
     }
 }

@@ -4,6 +4,7 @@
 mod common;
 
 use antumbra::Interior;
+use antumbra_bake::{BakeOptions, Encoding};
 use antumbra_scene::Scene;
 use common::{TestMesh as Mesh, bake_for_check, check_all, cuboid, loose, options, scene, solid, soup, sun, turned};
 use glam::{DAffine3, DVec3};
@@ -47,8 +48,15 @@ fn interior() -> impl Strategy<Value = Interior> {
     prop_oneof![Just(Interior::Open), Just(Interior::Closed), Just(Interior::Auto)]
 }
 
+fn encoding() -> impl Strategy<Value = Encoding> {
+    prop_oneof![Just(Encoding::Dag8), Just(Encoding::Silhouette)]
+}
+
 fn check(scene: &Scene, direction: [f64; 3], interior: Interior, resolution: u32) -> Result<(), String> {
-    check_all(&bake_for_check(scene, &sun(direction), &options(interior, resolution, 1)))
+    [Encoding::Dag8, Encoding::Silhouette].into_iter().try_for_each(|encoding| {
+        let options = BakeOptions { encoding, ..options(interior, resolution, 1) };
+        check_all(&bake_for_check(scene, &sun(direction), &options)).map_err(|e| format!("{}: {e}", encoding.name()))
+    })
 }
 
 proptest! {
@@ -83,9 +91,10 @@ proptest! {
     }
 
     #[test]
-    fn threads_do_not_change_the_bytes(meshes in meshes(), direction in direction()) {
+    fn threads_do_not_change_the_bytes(meshes in meshes(), direction in direction(), encoding in encoding()) {
         let scene = scene(meshes, DAffine3::IDENTITY);
-        let bytes = |threads| bake_for_check(&scene, &sun(direction), &options(Interior::Auto, 1024, threads)).bytes;
+        let with = |threads| BakeOptions { encoding, ..options(Interior::Auto, 1024, threads) };
+        let bytes = |threads| bake_for_check(&scene, &sun(direction), &with(threads)).bytes;
         let one = bytes(1);
         prop_assert!(one == bytes(2) && one == bytes(3), "bytes differ between thread counts");
     }

@@ -4,8 +4,11 @@
 mod common;
 
 use antumbra::Interior;
+use antumbra_bake::{BakeOptions, Encoding};
 use antumbra_scene::{Scene, procedural};
 use common::{bake_for_check, check_all, check_texels, options, shared_scenes, sun};
+
+const ENCODINGS: [Encoding; 2] = [Encoding::Dag8, Encoding::Silhouette];
 
 /// Small generated scenes always; real ones where the folder is there.
 fn scenes() -> Vec<Scene> {
@@ -24,8 +27,11 @@ fn light(scene: &Scene) -> antumbra_scene::Light {
 fn every_texel_at_512() {
     for scene in scenes() {
         for interior in [Interior::Open, Interior::Auto] {
-            let checked = bake_for_check(&scene, &light(&scene), &options(interior, 512, 0));
-            check_all(&checked).unwrap_or_else(|e| panic!("{} {interior:?}: {e}", scene.name));
+            for encoding in ENCODINGS {
+                let options = BakeOptions { encoding, ..options(interior, 512, 0) };
+                let checked = bake_for_check(&scene, &light(&scene), &options);
+                check_all(&checked).unwrap_or_else(|e| panic!("{} {interior:?} {encoding:?}: {e}", scene.name));
+            }
         }
     }
 }
@@ -41,15 +47,22 @@ fn every_texel_under_an_upright_sun() {
 #[test]
 fn a_million_random_texels_at_16384() {
     for scene in scenes() {
-        let checked = bake_for_check(&scene, &light(&scene), &options(Interior::Auto, 16384, 0));
-        let texels = || {
-            (0..1_000_000).scan(0x9e37_79b9_7f4a_7c15u64, |state, _| {
-                *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                Some([(*state >> 33) as u32 & 16383, (*state >> 49) as u32 & 16383])
-            })
-        };
-        check_texels(&checked, texels).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+        for encoding in ENCODINGS {
+            a_million_random_texels(&scene, encoding);
+        }
     }
+}
+
+fn a_million_random_texels(scene: &Scene, encoding: Encoding) {
+    let options = BakeOptions { encoding, ..options(Interior::Auto, 16384, 0) };
+    let checked = bake_for_check(scene, &light(scene), &options);
+    let texels = || {
+        (0..1_000_000).scan(0x9e37_79b9_7f4a_7c15u64, |state, _| {
+            *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            Some([(*state >> 33) as u32 & 16383, (*state >> 49) as u32 & 16383])
+        })
+    };
+    check_texels(&checked, texels).unwrap_or_else(|e| panic!("{} {encoding:?}: {e}", scene.name));
 }
 
 /// Answers that are right can still take more bytes than they need: a lost bit of slack shows here alone. After a change

@@ -49,10 +49,10 @@ impl LightSummary<'_> {
         let mut table = Table::default();
         table.row("resolution", format!("{n} x {n} x {n}"));
         table.row("texel size", metres(self.texel_size_m));
-        table.row(
-            "nodes",
-            format!("{} inner, {} slices, {} masks", count(nodes.inner), count(nodes.slices), count(nodes.masks)),
-        );
+        // Slices and cuts are of one encoding each.
+        let (leaves, name) = if nodes.cuts > 0 { (nodes.cuts, "cuts") } else { (nodes.slices, "slices") };
+        let [inner, leaves, masks] = [nodes.inner, leaves, nodes.masks].map(count);
+        table.row("nodes", format!("{inner} inner, {leaves} {name}, {masks} masks"));
         table.row("bytes", format!("{} ({})", bytes(self.bytes), count(self.bytes)));
         table
     }
@@ -82,7 +82,7 @@ pub fn triangles_text(stats: &BakeStats) -> String {
 /// Nodes by kind.
 #[must_use]
 pub fn nodes(counts: NodeCounts) -> Value {
-    json!({ "inner": counts.inner, "slices": counts.slices, "masks": counts.masks })
+    json!({ "inner": counts.inner, "slices": counts.slices, "masks": counts.masks, "cuts": counts.cuts })
 }
 
 /// Parts of the work, with their wall time.

@@ -147,7 +147,7 @@ struct At {
 }
 
 impl Tables {
-    /// The tables of all lights of a file: 16 bytes for each face and coarse level, its top grid (128 KiB for a sun, 16 KiB for
+    /// The tables of all lights of a file in the encoding [`dag8`](crate::format::dag8), the one that shaders know: 16 bytes for each face and coarse level, its top grid (128 KiB for a sun, 16 KiB for
     /// a lamp's face; each once), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
     /// MB for each face).
     #[must_use]

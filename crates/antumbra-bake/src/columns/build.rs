@@ -53,7 +53,7 @@ impl<'a> Build<'a> {
         if self.plain_code { Arch::Scalar } else { Arch::new() }
     }
 
-    fn rules(&self) -> Rules<'a> {
+    pub(crate) fn rules(&self) -> Rules<'a> {
         Rules { triangles: self.triangles, slices: self.slices, freedom: self.freedom }
     }
 
@@ -63,7 +63,7 @@ impl<'a> Build<'a> {
     }
 
     /// Notes that all rays of a tile are first shadowed in a slice of the span.
-    fn record_enters(&self, tile: Tile, span: [u32; 2]) {
+    pub(crate) fn record_enters(&self, tile: Tile, span: [u32; 2]) {
         if let Some(grid) = self.enters {
             grid.insert(tile, span);
         }
@@ -104,12 +104,7 @@ pub(super) const PAUSE_TRIANGLES: usize = 1 << 12;
 pub fn build(build: &Build<'_>) -> Result<Id, BuildError> {
     let resolution = build.resolution();
     let root = Tile::root(resolution);
-    let mut entries: Vec<Entry> = Vec::with_capacity(build.triangles.len());
-    for (i, triangles) in build.triangles.chunks(PAUSE_TRIANGLES).enumerate() {
-        let casters = ((i * PAUSE_TRIANGLES) as u32..).zip(triangles);
-        entries.extend(casters.filter_map(|(i, t)| root_entry(i, t, build.slices)));
-        (build.pause)();
-    }
+    let entries = root_entries(build);
     let shared = Shared {
         build,
         split_length: (entries.len() / SPLIT_SHARE).max(256),
@@ -126,6 +121,17 @@ pub fn build(build: &Build<'_>) -> Result<Id, BuildError> {
         return Err(if (build.pause)() { BuildError::MemoryLimit } else { BuildError::Cancelled });
     }
     Ok(column.first().map_or(LIT, |run| run.node))
+}
+
+/// The root tile's list.
+pub(crate) fn root_entries(build: &Build<'_>) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::with_capacity(build.triangles.len());
+    for (i, triangles) in build.triangles.chunks(PAUSE_TRIANGLES).enumerate() {
+        let casters = ((i * PAUSE_TRIANGLES) as u32..).zip(triangles);
+        entries.extend(casters.filter_map(|(i, t)| root_entry(i, t, build.slices)));
+        (build.pause)();
+    }
+    entries
 }
 
 struct Shared<'a> {

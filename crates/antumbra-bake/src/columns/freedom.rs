@@ -85,7 +85,7 @@ impl Freedom {
 
     /// Whether rays may be free behind open surfaces.
     #[inline(always)]
-    pub(super) fn is_behind_open(&self) -> bool {
+    pub(crate) fn is_behind_open(&self) -> bool {
         !matches!(self, Self::None)
     }
 

@@ -2,9 +2,9 @@
 //! vector code; masks of rays are lanes of all or no bits, so that they do as well.
 
 /// Rays of a leaf.
-pub(super) const TEXELS: usize = 64;
+pub(crate) const TEXELS: usize = 64;
 /// One number per ray.
-pub(super) type Lanes = [u32; TEXELS];
+pub(crate) type Lanes = [u32; TEXELS];
 
 /// All bits where the condition holds, else none.
 #[inline(always)]
@@ -34,25 +34,25 @@ fn reduce(lanes: &Lanes, f: impl Fn(u32, u32) -> u32) -> u32 {
 
 /// Whether any lane has a bit.
 #[inline(always)]
-pub(super) fn any(lanes: &Lanes) -> bool {
+pub(crate) fn any(lanes: &Lanes) -> bool {
     reduce(lanes, |a, b| a | b) != 0
 }
 
 /// The least of the lanes.
 #[inline(always)]
-pub(super) fn least(lanes: &Lanes) -> u32 {
+pub(crate) fn least(lanes: &Lanes) -> u32 {
     reduce(lanes, u32::min)
 }
 
 /// The greatest of the lanes.
 #[inline(always)]
-pub(super) fn greatest(lanes: &Lanes) -> u32 {
+pub(crate) fn greatest(lanes: &Lanes) -> u32 {
     reduce(lanes, u32::max)
 }
 
 /// Lane by lane. (Arrays' own `map` and `from_fn` are not always inlined, and then are no vector code.)
 #[inline(always)]
-pub(super) fn map<A: Copy, B: Copy + Default>(a: &[A; TEXELS], f: impl Fn(A) -> B) -> [B; TEXELS] {
+pub(crate) fn map<A: Copy, B: Copy + Default>(a: &[A; TEXELS], f: impl Fn(A) -> B) -> [B; TEXELS] {
     let mut mapped = [B::default(); TEXELS];
     for i in 0..TEXELS {
         mapped[i] = f(a[i]);
@@ -62,7 +62,7 @@ pub(super) fn map<A: Copy, B: Copy + Default>(a: &[A; TEXELS], f: impl Fn(A) -> 
 
 /// Lane by lane.
 #[inline(always)]
-pub(super) fn map2(a: &Lanes, b: &Lanes, f: impl Fn(u32, u32) -> u32) -> Lanes {
+pub(crate) fn map2(a: &Lanes, b: &Lanes, f: impl Fn(u32, u32) -> u32) -> Lanes {
     let mut mapped = [0; TEXELS];
     for i in 0..TEXELS {
         mapped[i] = f(a[i], b[i]);
@@ -72,7 +72,7 @@ pub(super) fn map2(a: &Lanes, b: &Lanes, f: impl Fn(u32, u32) -> u32) -> Lanes {
 
 /// Bit i is set where the mask's lane i is.
 #[inline(always)]
-pub(super) fn bits(mask: &Lanes) -> u64 {
+pub(crate) fn bits(mask: &Lanes) -> u64 {
     let mut eight = [[0u32; 8]; 2];
     for half in 0..2 {
         for group in 0..4 {
@@ -87,7 +87,7 @@ pub(super) fn bits(mask: &Lanes) -> u64 {
 
 /// The mask whose lane i is set where bit i is.
 #[inline(always)]
-pub(super) fn spread(bits: u64) -> Lanes {
+pub(crate) fn spread(bits: u64) -> Lanes {
     let mut mask = [0; TEXELS];
     for i in 0..32 {
         mask[i] = ((bits as u32 >> i) & 1).wrapping_neg();

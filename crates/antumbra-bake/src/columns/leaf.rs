@@ -16,18 +16,18 @@ use super::triangle::BuildTriangle;
 use crate::dag::{Id, Interner, LIT, SHADOWED};
 
 /// log2 of a leaf's texels per side.
-pub(super) const LEAF_LOG2: u32 = 3;
+pub(crate) const LEAF_LOG2: u32 = 3;
 
 /// Rays turn from lit to shadowed at any one slice from `first` to `last`; `lit` are the rays still lit behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Transition {
-    first: u32,
+pub(crate) struct Transition {
+    pub first: u32,
     pub last: u32,
     pub lit: u64,
 }
 
 /// What solving a leaf needs, kept between leaves.
-pub(super) struct LeafScratch {
+pub(crate) struct LeafScratch {
     arch: Arch,
     /// Crossings of a cluster.
     rows: Vec<Row>,
@@ -36,7 +36,7 @@ pub(super) struct LeafScratch {
 
 /// A leaf and its surroundings.
 #[derive(Clone, Copy)]
-pub(super) struct Leaf<'a> {
+pub(crate) struct Leaf<'a> {
     pub build: &'a Build<'a>,
     pub tile: Tile,
 }
@@ -57,7 +57,7 @@ impl LeafScratch {
     }
 
     /// Appends the leaf's column of 8 x 8 x 8 blocks. `entries` are sorted by their first slices.
-    pub fn push_column(
+    pub(in crate::columns) fn push_column(
         &mut self,
         leaf: Leaf<'_>,
         entries: &[Entry],
@@ -71,8 +71,24 @@ impl LeafScratch {
         push_blocks(&self.transitions, leaf.build.blocks(LEAF_LOG2), nodes, runs);
     }
 
+    /// First shadowed slices of the leaf's rays, and first slices that must be shadowed; where a whole texel's surface is left lit, they
+    /// differ by one at least. `entries` are sorted by their first slices.
+    pub fn intervals(&mut self, leaf: Leaf<'_>, entries: &[Entry], clamp: u32) -> [Lanes; 2] {
+        self.transitions.clear();
+        let (rows, transitions) = (&mut self.rows, &mut self.transitions);
+        self.arch.dispatch(Intervals(Solve { leaf, entries, clamp, rows, transitions }))
+    }
+
+    /// The fewest transitions that satisfy every ray.
+    pub fn transitions(&mut self, enter: &Lanes, exit: &Lanes, slices: u32) -> &[Transition] {
+        self.transitions.clear();
+        let mut enter = *enter;
+        self.arch.dispatch(Stab { enter: &mut enter, exit: *exit, slices, transitions: &mut self.transitions });
+        &self.transitions
+    }
+
     /// The column of a leaf that one open face hides; appended, with `None`, where it cannot be remembered.
-    pub fn face(
+    pub(in crate::columns) fn face(
         &mut self,
         leaf: Leaf<'_>,
         triangle: u32,
@@ -102,14 +118,22 @@ impl WithSimd for Solve<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, _: S) {
-        let leaf = self.leaf;
-        let mut rays = self.rays();
-        if leaf.build.enters.is_some() {
-            leaf.record_enters(&rays.enter);
-        }
-        let slices = leaf.build.resolution().texels();
-        rays.finish(leaf.build.freedom, self.clamp, slices);
+        let slices = self.leaf.build.resolution().texels();
+        let mut rays = self.finished(0);
         Stab { enter: &mut rays.enter, exit: rays.exit, slices, transitions: self.transitions }.all();
+    }
+}
+
+/// A leaf's intervals alone.
+struct Intervals<'a>(Solve<'a>);
+
+impl WithSimd for Intervals<'_> {
+    type Output = [Lanes; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) -> [Lanes; 2] {
+        let rays = self.0.finished(1);
+        [rays.enter, rays.exit]
     }
 }
 
@@ -134,7 +158,7 @@ impl WithSimd for FacePattern<'_> {
 }
 
 /// Stabs the intervals of 64 rays greedily by the closest exit: the fewest transitions that satisfy every ray.
-pub(super) struct Stab<'a> {
+pub(crate) struct Stab<'a> {
     pub enter: &'a mut Lanes,
     pub exit: Lanes,
     pub slices: u32,
@@ -171,6 +195,17 @@ impl Stab<'_> {
 }
 
 impl Solve<'_> {
+    #[inline(always)]
+    fn finished(&mut self, spare: u32) -> Rays {
+        let leaf = self.leaf;
+        let mut rays = self.rays();
+        if leaf.build.enters.is_some() {
+            leaf.record_enters(&rays.enter);
+        }
+        rays.finish(leaf.build.freedom, self.clamp, leaf.build.resolution().texels(), spare);
+        rays
+    }
+
     #[inline(always)]
     fn rays(&mut self) -> Rays {
         let mut rays = Rays::new();

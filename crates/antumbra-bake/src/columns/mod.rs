@@ -27,9 +27,13 @@ mod tile;
 mod triangle;
 
 pub(crate) use block::Block;
+pub(crate) use build::root_entries;
 pub use build::{Build, BuildError, build};
 pub use cutout::{Cutout, CutoutCorners};
 pub use enters::EnterGrid;
 pub use freedom::{Freedom, Shift};
-pub(crate) use lanes::{mask, select};
+pub(crate) use lanes::{Lanes, mask, select};
+pub(crate) use leaf::{LEAF_LOG2, Leaf, LeafScratch, Transition};
+pub(crate) use settle::Settled;
+pub(crate) use tile::{Entry, Tile, split};
 pub use triangle::BuildTriangle;

@@ -170,9 +170,9 @@ impl Rays {
 
     /// Rays still inside a solid leave it no earlier than at the clamp, and what they would meet next lies no nearer. What
     /// then lies between enter and exit is the interval of every policy. Where there is slack, the whole texel's lit
-    /// surface is left lit: shadows without acne and without bias.
+    /// surface is left lit: shadows without acne and without bias. `spare` slices of slack are left beside.
     #[inline(always)]
-    pub fn finish(&mut self, freedom: &Freedom, clamp: u32, slices: u32) {
+    pub fn finish(&mut self, freedom: &Freedom, clamp: u32, slices: u32, spare: u32) {
         for i in 0..TEXELS {
             self.exit[i] = self.exit[i].min(clamp.max(self.enter[i]));
         }
@@ -181,7 +181,7 @@ impl Rays {
         }
         for i in 0..TEXELS {
             let (enter, deepest) = (self.enter[i], self.deepest[i]);
-            let narrows = mask(deepest >= enter) & mask(deepest <= self.exit[i]);
+            let narrows = mask(deepest >= enter) & mask(deepest.saturating_add(spare) <= self.exit[i]);
             self.enter[i] = select(narrows, deepest, enter);
         }
     }

@@ -9,7 +9,7 @@ use crate::light_space::{Resolution, Slices};
 
 /// A tile as its list leaves it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Settled {
+pub(crate) enum Settled {
     /// No caster before the clamp.
     Lit,
     /// Any depth from `enter` to `exit` is right for every texel; none is first shadowed before `least`.
@@ -30,7 +30,7 @@ const MOST_BEHIND_FACE: usize = 32;
 
 /// What tiles are settled by.
 #[derive(Clone, Copy)]
-pub(super) struct Rules<'a> {
+pub(crate) struct Rules<'a> {
     pub triangles: &'a [BuildTriangle],
     pub slices: &'a Slices,
     pub freedom: &'a Freedom,

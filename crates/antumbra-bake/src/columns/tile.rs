@@ -9,7 +9,7 @@ use crate::light_space::{Resolution, Slices};
 
 /// A square of 2^log2 texels per side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Tile {
+pub(crate) struct Tile {
     /// First texel.
     pub x: u32,
     /// First texel.
@@ -40,7 +40,7 @@ impl Tile {
 
 /// A triangle in a tile's list.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     pub triangle: u32,
     pub flags: u32,
     /// No part of the triangle within the tile's rectangle of texel centres lies before this slice.
@@ -50,17 +50,17 @@ pub(super) struct Entry {
 }
 
 /// Covers every texel centre of the tile.
-pub(super) const COVERS: u32 = 1;
+pub(crate) const COVERS: u32 = 1;
 /// Covers the tile's first texel centre.
-pub(super) const COVERS_FIRST: u32 = 2;
+pub(crate) const COVERS_FIRST: u32 = 2;
 /// Bounds a solid.
-pub(super) const SOLID: u32 = 4;
+pub(crate) const SOLID: u32 = 4;
 /// Bounds a solid that rays enter through it. Edge-on triangles neither enter nor leave.
-pub(super) const ENTERS: u32 = 8;
+pub(crate) const ENTERS: u32 = 8;
 /// Bounds a solid that rays leave through it.
-pub(super) const EXITS: u32 = 16;
+pub(crate) const EXITS: u32 = 16;
 /// There only where its cutout keeps it: it may miss any texel.
-pub(super) const CUTOUT: u32 = 32;
+pub(crate) const CUTOUT: u32 = 32;
 
 impl Entry {
     /// Whether all of the given flags are set.
@@ -77,7 +77,7 @@ impl Entry {
 }
 
 /// Appends to each child's list those of a tile's entries that touch it: the rectangle of its texel centres.
-pub(super) fn split(arch: Arch, build: &Build<'_>, tile: Tile, entries: &[Entry], lists: &mut [Vec<Entry>; 4]) {
+pub(crate) fn split(arch: Arch, build: &Build<'_>, tile: Tile, entries: &[Entry], lists: &mut [Vec<Entry>; 4]) {
     let split = Split::new(tile, build.slices);
     for (i, entries) in entries.chunks(PAUSE_TRIANGLES).enumerate() {
         if i > 0 {
@@ -245,7 +245,7 @@ impl Depths {
 
 /// The entry of a triangle in the root tile's list; `None` for one that lies behind the last slice. Its slices are those of
 /// its corners, which hold for every tile below.
-pub(super) fn root_entry(index: u32, t: &BuildTriangle, slices: &Slices) -> Option<Entry> {
+pub(crate) fn root_entry(index: u32, t: &BuildTriangle, slices: &Slices) -> Option<Entry> {
     let [near, far] = [t.z[0].min(t.z[1]).min(t.z[2]), t.z[0].max(t.z[1]).max(t.z[2])];
     let mut flags = if t.is_solid() { SOLID } else { 0 };
     flags |= match t.winding() {

@@ -7,12 +7,12 @@ use crate::light_space::{LatticeTriangle, Resolution, Slices};
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct BuildTriangle {
-    pub(super) x: [i32; 3],
-    pub(super) y: [i32; 3],
-    pub(super) z: [u32; 3],
+    pub(crate) x: [i32; 3],
+    pub(crate) y: [i32; 3],
+    pub(crate) z: [u32; 3],
     flags: u32,
     /// Depth units per lattice step along x and y; zero for an edge-on triangle.
-    pub(super) slope: [f64; 2],
+    pub(crate) slope: [f64; 2],
     /// Bound on the rounding error of a depth computed at a texel centre that the triangle covers, in depth units.
     error: f32,
     /// Index of the triangle's cutout, or [`NO_CUTOUT`].
@@ -95,13 +95,13 @@ impl BuildTriangle {
 
     /// Whether it bounds a solid.
     #[inline(always)]
-    pub(super) fn is_solid(&self) -> bool {
+    pub(crate) fn is_solid(&self) -> bool {
         self.flags & SOLID != 0
     }
 
     /// Whether it is a line as the light sees it: it covers nothing, but may lie across a gap.
     #[inline(always)]
-    pub(super) fn is_edge_on(&self) -> bool {
+    pub(crate) fn is_edge_on(&self) -> bool {
         self.flags & EDGE_ON != 0
     }
 
@@ -117,7 +117,7 @@ impl BuildTriangle {
 
     /// Edge `i` as (normal x, normal y, corner): the edge function at p is the normal's dot product with p - corner.
     #[inline(always)]
-    pub(super) fn edge(&self, i: usize) -> Edge {
+    pub(crate) fn edge(&self, i: usize) -> Edge {
         let j = if i == 2 { 0 } else { i + 1 };
         Edge {
             normal: [i64::from(self.y[i] - self.y[j]), i64::from(self.x[j] - self.x[i])],
@@ -126,7 +126,7 @@ impl BuildTriangle {
     }
 
     /// Whether it is the same triangle twice, whichever way it is turned.
-    pub(super) fn has_corners_of(&self, other: &Self) -> bool {
+    pub(crate) fn has_corners_of(&self, other: &Self) -> bool {
         (self.x, self.y, self.z, self.slope) == (other.x, other.y, other.z, other.slope)
     }
 
@@ -143,23 +143,28 @@ impl BuildTriangle {
 
     /// Ends of edge `i` on the lattice, in the triangle's order of turning.
     #[inline(always)]
-    pub(super) fn edge_ends(&self, i: usize) -> [[i32; 2]; 2] {
+    pub(crate) fn edge_ends(&self, i: usize) -> [[i32; 2]; 2] {
         let j = if i == 2 { 0 } else { i + 1 };
         [[self.x[i], self.y[i]], [self.x[j], self.y[j]]]
     }
 
     /// Depth of the plane at a lattice point, in units; exact but for rounding.
     #[inline(always)]
-    pub(super) fn depth(&self, p: [f64; 2], units_per_step: f64) -> f64 {
+    pub(crate) fn depth(&self, p: [f64; 2], units_per_step: f64) -> f64 {
         let x = p[0] - f64::from(self.x[0]);
         let y = p[1] - f64::from(self.y[0]);
         f64::from(self.z[0]) * units_per_step + (x * self.slope[0] + y * self.slope[1])
     }
 
+    /// How far behind its depth at a texel's centre a plane lies at most within the texel, in units.
+    pub(crate) fn rise(&self, texel_steps: f64, slices: &Slices) -> f64 {
+        0.5 * texel_steps * (self.slope[0].abs() + self.slope[1].abs()) + slices.widening()
+    }
+
     /// By how much a depth may lie off that is computed within so far of a lattice point, along each axis: rounding, and a
     /// little more so that it opens no gap between neighbours. In units.
     #[inline(always)]
-    pub(super) fn widening(&self, p: [f64; 2], reach: f64, slices: &Slices) -> f64 {
+    pub(crate) fn widening(&self, p: [f64; 2], reach: f64, slices: &Slices) -> f64 {
         let x = (p[0] - f64::from(self.x[0])).abs() + reach;
         let y = (p[1] - f64::from(self.y[0])).abs() + reach;
         slices.widening() + (x * self.slope[0].abs() + y * self.slope[1].abs()) * ROUNDING
@@ -178,7 +183,7 @@ impl BuildTriangle {
 
     /// The slices of a leaf's 64 texel centres; exact where the triangle covers them and the mask says so.
     #[inline(always)]
-    pub(super) fn leaf_slices(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
+    pub(crate) fn leaf_slices(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
         let plane = self.leaf_plane(first, slices);
         let (mut of_texel, doubtful) = plane.slices(slices, covered);
         let doubtful = map2(&doubtful, covered, |doubtful, covered| doubtful & covered);
@@ -199,13 +204,13 @@ impl BuildTriangle {
 
     /// The slices of the plane's deepest points in a leaf's 64 texels, where the mask says so; a hair too deep does no harm.
     #[inline(always)]
-    pub(super) fn leaf_deepest(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
+    pub(crate) fn leaf_deepest(&self, first: [i64; 2], covered: &Lanes, slices: &Slices) -> Lanes {
         self.leaf_plane(first, slices).lowered(slices).slices(slices, covered).0
     }
 
     /// The slice at a lattice point, in exact integers.
     #[cold]
-    pub(super) fn exact_slice(&self, p: [i64; 2], slices: &Slices) -> u32 {
+    pub(crate) fn exact_slice(&self, p: [i64; 2], slices: &Slices) -> u32 {
         let (numerators, area) = self.gradient();
         let along = |n: i64, d: i64| i128::from(n) * i128::from(d);
         let sum = along(numerators[0], p[0] - i64::from(self.x[0])) + along(numerators[1], p[1] - i64::from(self.y[0]));
@@ -215,7 +220,7 @@ impl BuildTriangle {
 }
 
 /// Lattice point of a leaf's texel centre.
-pub(super) fn leaf_center(first: [i64; 2], texel: usize, resolution: Resolution) -> [i64; 2] {
+pub(crate) fn leaf_center(first: [i64; 2], texel: usize, resolution: Resolution) -> [i64; 2] {
     let steps = resolution.texel_steps();
     [first[0] + (texel as i64 & 7) * steps, first[1] + (texel as i64 >> 3) * steps]
 }
@@ -280,7 +285,7 @@ impl LeafPlane {
 
 /// A directed edge of a counter-clockwise triangle.
 #[derive(Clone, Copy)]
-pub(super) struct Edge {
+pub(crate) struct Edge {
     pub normal: [i64; 2],
     corner: [i64; 2],
 }

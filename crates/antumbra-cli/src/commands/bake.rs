@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use antumbra::{DepthDistribution, Interior};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, Baked, LightReport, Method, ResolutionRequest};
+use antumbra_bake::{BakeOptions, Baked, Encoding, LightReport, Method, ResolutionRequest};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::DVec3;
@@ -67,7 +67,8 @@ pub struct Args {
     /// How the slices of spot and point lights are spread
     #[arg(long, value_enum, default_value_t = DepthArg::Log)]
     depth: DepthArg,
-    /// Node encoding
+    /// How shadows are stored: dag8 (the papers' voxel graph), or silhouette (the casters' edges and planes: several times smaller,
+    /// and hardly larger with resolution; not yet for the graphics card, nor with --levels)
     #[arg(long, value_name = "NAME", default_value = "dag8")]
     encoding: String,
     /// Construction method
@@ -147,10 +148,16 @@ fn refuse_what_cannot_be(args: &Args) -> Result<()> {
     if args.no_culling && args.method != MethodArg::Kampe2015 {
         bail!("--no-culling is for --method kampe2015 alone; leave it out");
     }
-    if args.encoding != "dag8" {
-        bail!("--encoding \"{}\" is not in this version; use dag8", args.encoding);
-    }
+    encoding(args)?;
     Ok(())
+}
+
+fn encoding(args: &Args) -> Result<Encoding> {
+    match args.encoding.as_str() {
+        "dag8" => Ok(Encoding::Dag8),
+        "silhouette" => Ok(Encoding::Silhouette),
+        other => bail!("--encoding \"{other}\" is not in this version; use dag8 or silhouette"),
+    }
 }
 
 /// `held` is what the program holds already: the scene, above all.
@@ -161,6 +168,7 @@ fn options(args: &Args, held: u64) -> Result<BakeOptions> {
         })
     };
     Ok(BakeOptions {
+        encoding: encoding(args)?,
         method: match args.method {
             MethodArg::Columns => Method::Columns,
             MethodArg::Kampe2015 => Method::Kampe2015,

@@ -74,7 +74,7 @@ fn light_json((light, summary): &Described<'_>) -> Value {
     let record = light.record();
     let mut json = summary.json();
     json["interior"] = describe::interior(light.interior());
-    json["encoding"] = ENCODING.into();
+    json["encoding"] = encoding_text(*light).into();
     json["faces"] = record.faces.into();
     json["levels"] = light.has_levels().into();
     json["enter_depths"] = light.has_enter_depths().into();
@@ -107,8 +107,9 @@ fn depth_text(record: &LightRecord) -> &'static str {
     }
 }
 
-/// The one encoding of this version; the reader refuses others.
-const ENCODING: &str = "dag8";
+fn encoding_text(light: LightShadow<'_>) -> &'static str {
+    if light.is_silhouette() { "silhouette" } else { "dag8" }
+}
 
 fn as_text(args: &Args, file: &ShadowFile, file_bytes: u64, lights: &[Described<'_>]) -> String {
     let mut table = Table::default();
@@ -149,7 +150,7 @@ fn light_text((light, summary): &Described<'_>) -> String {
     let [ox, oy, oz] = record.origin_world;
     let mut table = summary.table();
     table.row("interior", describe::interior_text(light.interior()));
-    table.row("encoding", ENCODING);
+    table.row("encoding", encoding_text(*light));
     table.row("coarse levels", if light.has_levels() { "yes" } else { "no" });
     table.row("enter depths", if light.has_enter_depths() { "yes" } else { "no" });
     if light.kind() != LightKind::Directional {

@@ -40,6 +40,30 @@ fn bake_and_info_agree_on_what_the_file_holds() {
     assert!(sections < bytes(&info["file_bytes"]));
 }
 
+#[test]
+fn silhouettes_are_baked_told_of_and_looked_up() {
+    let folder = folder();
+    let bake = "bake {city} -o {s} --resolution 1024 --sun 225,30 --encoding silhouette --enter-depths --json";
+    let baked = run(folder.path(), bake).json();
+    let graph = run(folder.path(), "bake {city} -o {g} --resolution 1024 --sun 225,30 --json").json();
+    let info = run(folder.path(), "info {s} --json").json();
+    assert_eq!(info["lights"][0]["encoding"], "silhouette");
+    for key in ["name", "bytes", "nodes"] {
+        assert_eq!(info["lights"][0][key], baked["lights"][0][key], "{key}");
+    }
+    assert!(bytes(&info["lights"][0]["nodes"]["cuts"]) > 100);
+    assert!(bytes(&baked["file_bytes"]) < bytes(&graph["file_bytes"]));
+    run(folder.path(), "validate {s}").ok();
+    run(folder.path(), "compare {s} {city} --samples 20000").ok();
+    run(folder.path(), "render {city} -o {p.png} --size 64x36 --samples 1 --shadows {s} --filter 9").ok();
+    run(folder.path(), "render {city} -o {q.png} --size 64x36 --shadows {s} --device gpu")
+        .fails(&["silhouette", "--encoding dag8"]);
+    run(folder.path(), "bake {city} -o {l} --encoding silhouette --levels")
+        .fails(&["coarse levels", "--encoding dag8"]);
+    run(folder.path(), "bake {city} -o {l} --encoding silhouette --method kampe2015")
+        .fails(&["methods", "--encoding dag8"]);
+}
+
 fn bytes(value: &Value) -> u64 {
     value.as_u64().expect("a number")
 }

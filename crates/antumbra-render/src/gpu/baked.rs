@@ -24,6 +24,9 @@ pub(crate) struct Baked {
 impl Baked {
     /// A file, of which passes know these lights.
     pub fn new(gpu: &Gpu, file: &ShadowFile, lights: &[LightShadow<'_>], top_grid: bool) -> Result<Self, RenderError> {
+        if file.is_silhouettes() {
+            return Err(RenderError::EncodingOnGpu);
+        }
         let pool = file.pool();
         let limits = gpu.device.limits();
         // Six other buffers in a pass at most.

@@ -363,11 +363,7 @@ impl Culler {
                     groups: &[&seen],
                     workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
                 },
-                Step {
-                    kernel: &passes.cells,
-                    groups: &[&listed],
-                    workgroups: [self.values.cells.div_ceil(64), 1, 1],
-                },
+                Step { kernel: &passes.cells, groups: &[&listed], workgroups: [self.values.cells.div_ceil(64), 1, 1] },
             ],
         );
     }

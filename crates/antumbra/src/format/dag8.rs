@@ -59,6 +59,8 @@ pub struct NodeCounts {
     pub slices: u64,
     /// Masks, 8 x 8 x 1.
     pub masks: u64,
+    /// Leaves with edges, of the encoding [`super::silhouette`].
+    pub cuts: u64,
 }
 
 /// The two bits of a header that say what child `i` is: a reference below 2, or 2 for mixed.
@@ -225,6 +227,7 @@ impl Checked {
             inner: nodes(&self.levels[split..]),
             slices: nodes(&self.levels[..split]),
             masks: ((self.layout.slices - POOL_HEADER_WORDS) / 2) as u64,
+            cuts: 0,
         }
     }
 }

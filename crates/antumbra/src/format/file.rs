@@ -8,8 +8,9 @@ use core::str;
 
 use super::dag8::{self, NodeCounts};
 use super::enter::{self, LightEnters};
-use super::light::{LightRecord, MIN_LOG2_RESOLUTION};
+use super::light::{ENCODING_DAG8, ENCODING_SILHOUETTE, LightRecord, MIN_LOG2_RESOLUTION};
 use super::section::{Entry, REQUIRED, read_table};
+use super::silhouette;
 use super::stat::BakeStats;
 use super::{ENTERS, LEVELS, MAX_LIGHTS};
 use crate::lookup::light::LightShadow;
@@ -50,25 +51,30 @@ impl ShadowFile {
         let section = |kind: &[u8; 4]| find(bytes, &entries, kind);
         let records = read_records(section(b"LGTS")?.ok_or(FormatError::MissingSection("LGTS"))?)?;
         let names = section(b"NAME")?.ok_or(FormatError::MissingSection("NAME"))?.to_vec();
-        let pool = read_pool(section(b"DAG8")?.ok_or(FormatError::MissingSection("DAG8"))?)?;
+        let (encoding, nodes) = match (section(b"DAG8")?, section(b"SILH")?) {
+            (Some(nodes), None) => (ENCODING_DAG8, nodes),
+            (None, Some(nodes)) => (ENCODING_SILHOUETTE, nodes),
+            (Some(_), Some(_)) => return Err(FormatError::Malformed("it holds two node pools")),
+            (None, None) => return Err(FormatError::MissingSection("DAG8")),
+        };
+        let pool = read_pool(nodes)?;
         let stats =
             section(b"STAT")?.map(|s| BakeStats::read(s).ok_or(FormatError::Malformed("the STAT section's size")));
-        let checked = dag8::check(&pool)?;
         for (index, record) in records.iter().enumerate() {
             record.check(index)?;
-            name_of(&names, record).ok_or(FormatError::Malformed("a light's name lies outside the names"))?;
-            if !record.face_roots().iter().all(|root| checked.fits(*root, record.log2_resolution)) {
-                return Err(FormatError::Malformed("a light's root is no node of the light's size"));
+            if record.encoding != encoding {
+                return Err(FormatError::Malformed("a light's encoding is not that of the node pool"));
             }
+            name_of(&names, record).ok_or(FormatError::Malformed("a light's name lies outside the names"))?;
         }
-        let level_roots = match section(&LEVELS)? {
-            Some(bytes) => read_levels(bytes, &records, &checked)?,
-            None => vec![Vec::new(); records.len()],
+        let (counts, level_roots) = match encoding {
+            ENCODING_DAG8 => check_dag8(&pool, &records, section(&LEVELS)?)?,
+            _ => check_silhouettes(&pool, &records, section(&LEVELS)?)?,
         };
         let enters = section(&ENTERS)?.map(|bytes| enter::read(bytes, &records)).transpose()?;
-        let mut grids = Grids { pool: &pool, made: BTreeMap::new() };
+        let mut grids = Grids { pool: &pool, is_flat: encoding == ENCODING_SILHOUETTE, made: BTreeMap::new() };
         Ok(Self {
-            counts: checked.counts(),
+            counts,
             stats: stats.transpose()?,
             top_grids: records.iter().map(|record| grids.of_light(record)).collect(),
             projections: records.iter().map(Projection::new).collect(),
@@ -105,7 +111,13 @@ impl ShadowFile {
         self.enters.is_some()
     }
 
-    /// The shared node pool: upload it as it is. See [`super::dag8`].
+    /// Whether nodes are silhouettes ([`super::silhouette`]), not [`super::dag8`]: all lights of a file have the same encoding.
+    #[must_use]
+    pub fn is_silhouettes(&self) -> bool {
+        self.records.first().is_some_and(|record| record.encoding == ENCODING_SILHOUETTE)
+    }
+
+    /// The shared node pool: upload it as it is. See [`super::dag8`] and [`super::silhouette`].
     #[must_use]
     pub fn pool(&self) -> &[u32] {
         &self.pool
@@ -134,7 +146,44 @@ impl ShadowFile {
     }
 }
 
-const KNOWN: [&[u8; 4]; 4] = [b"LGTS", b"NAME", b"DAG8", b"STAT"];
+const KNOWN: [&[u8; 4]; 5] = [b"LGTS", b"NAME", b"DAG8", b"SILH", b"STAT"];
+
+/// By light, level and face.
+type LevelRoots = Vec<Vec<Vec<u32>>>;
+
+fn check_dag8(
+    pool: &[u32],
+    records: &[LightRecord],
+    levels: Option<&[u8]>,
+) -> Result<(NodeCounts, LevelRoots), FormatError> {
+    let checked = dag8::check(pool)?;
+    let fits =
+        |record: &LightRecord| record.face_roots().iter().all(|root| checked.fits(*root, record.log2_resolution));
+    if !records.iter().all(fits) {
+        return Err(FormatError::Malformed("a light's root is no node of the light's size"));
+    }
+    let level_roots = match levels {
+        Some(bytes) => read_levels(bytes, records, &checked)?,
+        None => vec![Vec::new(); records.len()],
+    };
+    Ok((checked.counts(), level_roots))
+}
+
+fn check_silhouettes(
+    pool: &[u32],
+    records: &[LightRecord],
+    levels: Option<&[u8]>,
+) -> Result<(NodeCounts, LevelRoots), FormatError> {
+    if levels.is_some() {
+        return Err(FormatError::Malformed("it has coarse levels, which silhouettes do not know"));
+    }
+    let mut check = silhouette::Check::new(pool)?;
+    for record in records {
+        let log2 = record.log2_resolution;
+        record.face_roots().iter().try_for_each(|root| check.tree(*root, log2, log2))?;
+    }
+    Ok((check.finish()?, vec![Vec::new(); records.len()]))
+}
 
 /// log2 of the most cells per side of a cube's faces: 16 KiB each instead of 128, for a lamp has six.
 const CUBE_CELLS: u32 = 4;
@@ -144,12 +193,20 @@ const LOCAL_LEVEL_CELLS: u32 = 3;
 /// Makes top grids: one for all faces and levels with the same root, small ones where a face is homogeneous.
 struct Grids<'a> {
     pool: &'a [u32],
+    /// Whether nodes are tiles.
+    is_flat: bool,
     made: BTreeMap<(u32, u32, u32), Arc<TopGrid>>,
 }
 
 impl Grids<'_> {
     fn grid(&mut self, root: u32, log2: u32, most_log2: u32) -> Arc<TopGrid> {
-        let new = || Arc::new(TopGrid::new(self.pool, root, log2, most_log2));
+        let new = || {
+            Arc::new(if self.is_flat {
+                TopGrid::new_flat(self.pool, root, log2, top_grid::flat_log2(most_log2))
+            } else {
+                TopGrid::new(self.pool, root, log2, most_log2)
+            })
+        };
         Arc::clone(self.made.entry((root, log2, most_log2)).or_insert_with(new))
     }
 

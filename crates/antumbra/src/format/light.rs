@@ -9,6 +9,8 @@ pub const MIN_LOG2_RESOLUTION: u32 = 6;
 pub const MAX_LOG2_RESOLUTION: u32 = 20;
 /// The papers' node encoding, [`super::dag8`].
 pub const ENCODING_DAG8: u32 = 0;
+/// Our own, [`super::silhouette`].
+pub const ENCODING_SILHOUETTE: u32 = 1;
 
 /// One light; 256 bytes.
 ///
@@ -19,7 +21,7 @@ pub const ENCODING_DAG8: u32 = 0;
 ///      8     4  kind: 0 directional, 1 spot, 2 point
 ///     12     4  log2 of the resolution N, 6 to 20
 ///     16     4  interior policy: 0 open, 1 closed, 2 auto, 3 thickness, 4 static
-///     20     4  node encoding: 0 dag8
+///     20     4  node encoding: 0 dag8, 1 silhouette; the same for all lights of a file
 ///     24   4*6  root references, one per face; unused ones are 0
 ///     48     8  policy parameter, metres (thickness or margin; else 0)
 ///     56     8  texel size, metres (local lights: at their range)
@@ -223,7 +225,7 @@ impl LightRecord {
 
     /// Checks everything but the node references and the name.
     pub(crate) fn check(&self, index: usize) -> Result<(), FormatError> {
-        if self.encoding != ENCODING_DAG8 {
+        if self.encoding > ENCODING_SILHOUETTE {
             return Err(FormatError::UnknownEncoding { light: index, encoding: self.encoding });
         }
         let (Some(kind), Some(depth)) = (self.light_kind(), self.depth_distribution()) else {

@@ -27,7 +27,8 @@
 //! |------|----------|----------|
 //! | `LGTS` | yes | light records of 256 bytes: [`light::LightRecord`] |
 //! | `NAME` | yes | UTF-8 text that light records point into |
-//! | `DAG8` | yes | the node pool that all lights share: [`dag8`] |
+//! | `DAG8` | yes | the node pool that all lights share: [`dag8`]; or |
+//! | `SILH` | yes | the same in the other encoding: [`silhouette`] |
 //! | `STAT` | no  | what was baked: [`stat::BakeStats`] |
 //! | `LODS` | no  | roots of coarse levels, for prefiltering: [`LEVELS`] |
 //! | `ENTR` | no  | coarse enter depths, for blockers: [`enter`] |
@@ -39,6 +40,7 @@ pub mod file;
 pub mod light;
 pub mod reach;
 pub(crate) mod section;
+pub mod silhouette;
 pub mod stat;
 pub mod write;
 

@@ -7,6 +7,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::dag8::{NodeCounts, SHADOWED, SLICE_LEVEL, reference_count};
+use super::silhouette::Check;
 use crate::ShadowFile;
 
 /// For each light, in the file's order: nodes that it reaches and no earlier light does, and their 32-bit words.
@@ -19,6 +20,9 @@ pub fn by_light(file: &ShadowFile) -> Vec<(NodeCounts, u64)> {
 /// [`by_light`], and what the coarse levels of all lights add to it.
 #[must_use]
 pub fn shares(file: &ShadowFile) -> (Vec<(NodeCounts, u64)>, (NodeCounts, u64)) {
+    if file.is_silhouettes() {
+        return (silhouette_shares(file), Default::default());
+    }
     let mut walk = Walk { pool: &file.pool, met: vec![0; file.pool.len().div_ceil(64)], added: Default::default() };
     let mut share = |record: &crate::LightRecord| {
         walk.added = Default::default();
@@ -33,6 +37,27 @@ pub fn shares(file: &ShadowFile) -> (Vec<(NodeCounts, u64)>, (NodeCounts, u64)) 
         }
     }
     (lights, walk.added)
+}
+
+/// What each light's trees take, with the forms that no earlier light has.
+fn silhouette_shares(file: &ShadowFile) -> Vec<(NodeCounts, u64)> {
+    let Ok(mut check) = Check::new(&file.pool) else { return Vec::new() };
+    let mut before = (NodeCounts::default(), 0);
+    let of_light = |record: &crate::LightRecord| {
+        let log2 = record.log2_resolution;
+        // They were checked when the file was read.
+        record.face_roots().iter().for_each(|root| _ = check.tree(*root, log2, log2));
+        let (counts, words) = (check.counts(), check.words());
+        let first = core::mem::replace(&mut before, (counts, words));
+        let own = NodeCounts {
+            inner: counts.inner - first.0.inner,
+            slices: 0,
+            masks: counts.masks - first.0.masks,
+            cuts: counts.cuts - first.0.cuts,
+        };
+        (own, (words - first.1) as u64)
+    };
+    file.records.iter().map(of_light).collect()
 }
 
 struct Walk<'a> {
@@ -108,7 +133,7 @@ mod tests {
         let records = [21, 29, 21, SHADOWED].map(light);
         let bytes = write(&Contents::new(&records, "", &pool, BakeStats::default()));
         let shares = by_light(&ShadowFile::from_bytes(&bytes).expect("a sound file"));
-        let counts = |inner, slices, masks| NodeCounts { inner, slices, masks };
+        let counts = |inner, slices, masks| NodeCounts { inner, slices, masks, cuts: 0 };
         assert_eq!(shares[0], (counts(3, 1, 1), 2 + 2 + 6));
         assert_eq!(shares[1], (counts(3, 1, 1), 2 + 3 + 8));
         assert_eq!(shares[2..], [(counts(0, 0, 0), 0); 2]);

@@ -120,7 +120,7 @@ fn part_name(kind: [u8; 4]) -> &'static str {
     match &kind {
         b"LGTS" => "light records",
         b"NAME" => "names",
-        b"DAG8" => "node pool",
+        b"DAG8" | b"SILH" => "node pool",
         b"STAT" => "statistics",
         b"LODS" => "coarse levels",
         b"ENTR" => "enter depths",

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::light::LightRecord;
+use super::light::{ENCODING_SILHOUETTE, LightRecord};
 use super::section::{ENTRY_BYTES, Entry, HEADER_BYTES, Header, REQUIRED, table_checksum};
 use super::stat::BakeStats;
 use super::{ENTERS, LEVELS, MAGIC, SECTION_ALIGNMENT, VERSION_MAJOR, VERSION_MINOR};
@@ -18,7 +18,7 @@ pub struct Contents<'a> {
     pub lights: &'a [LightRecord],
     /// Text that the records' names point into.
     pub names: &'a str,
-    /// The shared node pool, words in host order: see [`super::dag8`].
+    /// The shared node pool, words in host order, in the encoding that the lights name: [`super::dag8`] or [`super::silhouette`].
     pub pool: &'a [u32],
     /// What was baked.
     pub stats: BakeStats,
@@ -52,12 +52,17 @@ pub fn write_paced(contents: &Contents<'_>, pause: &mut dyn FnMut()) -> Vec<u8> 
     let mut sections: Vec<([u8; 4], u32, &[u8])> = alloc::vec![
         (*b"LGTS", REQUIRED, bytemuck::cast_slice(&lights)),
         (*b"NAME", REQUIRED, contents.names.as_bytes()),
-        (*b"DAG8", REQUIRED, bytemuck::cast_slice(&pool)),
+        (pool_kind(contents.lights), REQUIRED, bytemuck::cast_slice(&pool)),
         (*b"STAT", 0, bytemuck::bytes_of(&stats)),
     ];
     sections.extend(levels.as_ref().map(|roots| (LEVELS, 0, bytemuck::cast_slice(roots))));
     sections.extend(contents.enters.map(|bytes| (ENTERS, 0, bytes)));
     assemble_paced(&sections, pause)
+}
+
+/// The section of the node pool.
+fn pool_kind(lights: &[LightRecord]) -> [u8; 4] {
+    if lights.first().is_some_and(|light| light.encoding == ENCODING_SILHOUETTE) { *b"SILH" } else { *b"DAG8" }
 }
 
 /// The words in little-endian order: as they are on nearly every machine.

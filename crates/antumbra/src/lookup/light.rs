@@ -4,10 +4,11 @@ use glam::DVec3;
 
 use super::filter::Filter;
 use super::many;
-use super::pcf;
 use super::point::is_lit;
 use super::project::{FacePoint, Place, Projection, VoxelFrame, clamp_to_volume};
 use super::top_grid::TopGrid;
+use super::{pcf, silhouette};
+use crate::format::light::ENCODING_SILHOUETTE;
 use crate::{Interior, LightKind, LightRecord, ShadowFile};
 
 /// A light of a [`ShadowFile`]. Cheap to copy.
@@ -113,6 +114,10 @@ impl<'a> LightShadow<'a> {
     /// [`LightShadow::visibility`] of many points: the same answers, two to three times as many per second, because
     /// several descents run side by side. Writes as many answers as both slices have room for.
     pub fn visibility_many(self, points_world: &[DVec3], visibility: &mut [f32]) {
+        if self.is_silhouette() {
+            let answers = visibility.iter_mut().zip(points_world);
+            return answers.for_each(|(answer, point)| *answer = self.visibility(*point));
+        }
         let places = points_world.iter().map(|p| self.projection().place(*p));
         many::visibility(&self.file.pool, &self.file.top_grids[self.index], places, visibility);
     }
@@ -135,6 +140,10 @@ impl<'a> LightShadow<'a> {
         let mask = self.record().resolution() - 1;
         let voxel = voxel.map(|c| c & mask);
         let grid = self.top_grid(face);
+        if self.is_silhouette() {
+            let [x, y, z] = voxel;
+            return z < silhouette::depth(&self.file.pool, grid.node(voxel), grid.level, [x, y], mask + 1);
+        }
         is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)
     }
 
@@ -162,7 +171,7 @@ impl<'a> LightShadow<'a> {
         if filter.taps() == 1 {
             return self.voxel_visibility(at);
         }
-        pcf::filtered(&self.file.pool, self.top_grid(at.face), self.record().resolution(), at.voxel, filter)
+        pcf::filtered(self.source(at.face), self.record().resolution(), at.voxel, filter)
     }
 
     /// How far along a unit normal a filtered lookup moves off its surface, metres: see [`LightShadow::filtered`].
@@ -187,6 +196,17 @@ impl<'a> LightShadow<'a> {
     /// Whether rays spread from a point.
     pub(crate) fn is_local(self) -> bool {
         self.kind() != LightKind::Directional
+    }
+
+    /// Whether its nodes are of the encoding [`silhouette`](crate::format::silhouette).
+    #[must_use]
+    pub fn is_silhouette(self) -> bool {
+        self.record().encoding == ENCODING_SILHOUETTE
+    }
+
+    /// The nodes of a face.
+    pub(crate) fn source(self, face: usize) -> pcf::Source<'a> {
+        pcf::Source { pool: &self.file.pool, grid: self.top_grid(face), is_silhouette: self.is_silhouette() }
     }
 
     pub(crate) fn projection(self) -> &'a Projection {

@@ -16,5 +16,6 @@ pub(crate) mod point;
 pub mod prefilter;
 pub mod project;
 pub mod segment;
+pub mod silhouette;
 pub(crate) mod top_grid;
 pub(crate) mod walk;

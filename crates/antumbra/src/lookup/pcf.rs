@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::filter::{Filter, Kernel};
 use super::point::{child, descend, slice_mask};
+use super::silhouette;
 use super::top_grid::TopGrid;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
 
@@ -25,6 +26,14 @@ struct Window<'a> {
     z: u32,
 }
 
+/// Where a window's masks are.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub pool: &'a [u32],
+    pub grid: &'a TopGrid,
+    pub is_silhouette: bool,
+}
+
 /// Weights of a window's taps.
 pub(crate) struct Weights {
     /// Of the lit taps inside the volume.
@@ -37,17 +46,19 @@ pub(crate) struct Weights {
 
 /// Filtered visibility at real-valued voxel coordinates in a light of `side` texels per side; taps outside are lit.
 #[inline]
-pub(crate) fn filtered(pool: &[u32], grid: &TopGrid, side: u32, voxel: DVec3, filter: Filter) -> f32 {
-    let Weights { lit, inside, all } = weights(pool, grid, side, voxel, filter);
+pub(crate) fn filtered(source: Source<'_>, side: u32, voxel: DVec3, filter: Filter) -> f32 {
+    let Weights { lit, inside, all } = weights(source, side, voxel, filter);
     (lit + all - inside) as f32 / all as f32
 }
 
 /// The same, weight by weight. Before the first slice no tap is inside.
 #[inline]
-pub(crate) fn weights(pool: &[u32], grid: &TopGrid, side: u32, voxel: DVec3, filter: Filter) -> Weights {
+pub(crate) fn weights(source: Source<'_>, side: u32, voxel: DVec3, filter: Filter) -> Weights {
     let all = filter.axis_weight() * filter.axis_weight();
-    let Some(window) = Window::new(pool, side, voxel, filter) else { return Weights { lit: 0, inside: 0, all } };
-    Weights { lit: window.lit_weight(grid), inside: window.rectangle_weight(window.first, window.last), all }
+    let Some(window) = Window::new(source.pool, side, voxel, filter) else { return Weights { lit: 0, inside: 0, all } };
+    let Source { grid, is_silhouette, .. } = source;
+    let lit = if is_silhouette { window.silhouette_weight(grid) } else { window.lit_weight(grid) };
+    Weights { lit, inside: window.rectangle_weight(window.first, window.last), all }
 }
 
 /// Calls `each` with the middle of every tap outside the volume sideways, at the window's depth, and its weight.
@@ -130,13 +141,33 @@ impl<'a> Window<'a> {
         })
     }
 
+    /// Sums over the tiles that the window touches, whose masks edges and planes make.
+    #[inline]
+    fn silhouette_weight(&self, grid: &TopGrid) -> u32 {
+        let mut sum = 0;
+        for y in (self.first[1] & -TILE..=self.last[1]).step_by(TILE as usize) {
+            for x in (self.first[0] & -TILE..=self.last[0]).step_by(TILE as usize) {
+                let texel = [x as u32, y as u32];
+                let tile = grid.node([texel[0], texel[1], 0]);
+                sum += self.weight_of(silhouette::slice_mask(self.pool, tile, grid.level, texel, self.z), texel);
+            }
+        }
+        sum
+    }
+
     /// Weight of the window's lit taps in one tile, given the node that holds it.
     #[inline]
-    fn mask_weight(&self, node: u32, [x, y]: [u32; 2]) -> u32 {
+    fn mask_weight(&self, node: u32, corner: [u32; 2]) -> u32 {
+        self.weight_of(slice_mask(self.pool, node, self.z), corner)
+    }
+
+    /// Weight of the window's taps in one tile whose mask is given.
+    #[inline]
+    fn weight_of(&self, mask: u64, [x, y]: [u32; 2]) -> u32 {
         let corner = [x as i32 & -TILE, y as i32 & -TILE];
         let first = [self.first[0].max(corner[0]), self.first[1].max(corner[1])];
         let last = [self.last[0].min(corner[0] + TILE - 1), self.last[1].min(corner[1] + TILE - 1)];
-        match slice_mask(self.pool, node, self.z) {
+        match mask {
             0 => 0,
             u64::MAX => self.rectangle_weight(first, last),
             mask => match self.filter.kernel() {

@@ -19,8 +19,9 @@ use super::light::LightShadow;
 use super::pcf::{self, Weights};
 use super::point::{descend, is_lit, slice_mask};
 use super::project::{FacePoint, Place, clamp_to_volume};
+use super::silhouette;
 use super::top_grid::TopGrid;
-use crate::format::dag8::{self, LIT, SHADOWED, SLICE_LEVEL};
+use crate::format::dag8::{self, LIT, SHADOWED, SLICE_LEVEL, WHOLE};
 
 /// How to prefilter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +81,10 @@ impl<'a> LightShadow<'a> {
     #[must_use]
     pub fn voxel_mean(self, face: usize, voxel: [u32; 3], level: u32) -> f32 {
         let pool = &self.file.pool[..];
+        if self.is_silhouette() {
+            let (root, log2) = (self.record().roots[face], self.record().log2_resolution);
+            return silhouette::lit_share(pool, root, log2, level, voxel) as f32 / WHOLE as f32;
+        }
         let grid = self.top_grid(face);
         let (node, from) = if level <= grid.level {
             (grid.node(voxel), grid.level)
@@ -160,7 +165,8 @@ impl<'a> LightShadow<'a> {
         let side = self.record().resolution() >> level;
         let scale = power_of_two(-(level as i32));
         let voxel = at.voxel * scale;
-        let Weights { lit, inside, all } = pcf::weights(&self.file.pool, grid(at.face), side, voxel, filter);
+        let source = pcf::Source { grid: grid(at.face), ..self.source(at.face) };
+        let Weights { lit, inside, all } = pcf::weights(source, side, voxel, filter);
         if inside == all || !self.is_local() || at.voxel.z < 0.0 {
             return (lit + all - inside) as f32 / all as f32;
         }
@@ -168,8 +174,10 @@ impl<'a> LightShadow<'a> {
         pcf::for_each_outside(side, voxel, filter, |tap, weight| {
             let Some(there) = self.projection().around_corner(FacePoint { voxel: tap / scale, ..at }) else { return };
             let corner = clamp_to_volume(there.voxel * scale, f64::from(side));
-            let one_lit =
-                corner.is_none_or(|v| is_lit(&self.file.pool, grid(there.face).node(v), grid(there.face).level, v));
+            let one_lit = corner.is_none_or(|v| match level {
+                0 => self.is_lit(there.face, v),
+                _ => is_lit(&self.file.pool, grid(there.face).node(v), grid(there.face).level, v),
+            });
             sum = [sum[0] + if one_lit { weight } else { 0 }, sum[1] + weight];
         });
         if sum[1] == 0 { 1.0 } else { sum[0] as f32 / sum[1] as f32 }

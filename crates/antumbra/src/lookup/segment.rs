@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::light::LightShadow;
 use super::project::line::{Cuts, Line};
-use super::walk::{Span, Walk};
+use super::walk::{Graph, Span, Walk};
 
 /// A part of a segment that is lit or shadowed all along.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,8 +133,13 @@ impl Segment<'_> {
         };
         let Some(inside) = line.clipped([from, to]) else { return Some(Span { to, lit: true }) };
         let record = self.light.record();
-        let (pool, root) = (&self.light.file.pool, record.roots[line.face]);
-        self.walk = Some(Walk::new(pool, root, record.log2_resolution, line, inside));
+        let graph = Graph {
+            pool: &self.light.file.pool,
+            root: record.roots[line.face],
+            log2: record.log2_resolution,
+            is_silhouette: self.light.is_silhouette(),
+        };
+        self.walk = Some(Walk::new(graph, line, inside));
         Some(Span { to: inside[0], lit: true })
     }
 }

@@ -13,6 +13,7 @@
 
 use super::point::{child, slice_mask};
 use super::project::line::FaceLine;
+use super::silhouette;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
 use crate::format::light::MAX_LOG2_RESOLUTION;
 
@@ -31,6 +32,16 @@ struct Cell {
 pub(crate) struct Span {
     pub to: f64,
     pub lit: bool,
+}
+
+/// The nodes of a face.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Graph<'a> {
+    pub pool: &'a [u32],
+    pub root: u32,
+    /// log2 of the root's voxels per side.
+    pub log2: u32,
+    pub is_silhouette: bool,
 }
 
 /// What is left of a walk.
@@ -53,13 +64,14 @@ pub(crate) struct Walk<'a> {
 const NOWHERE: (u32, f64) = (u32::MAX, f64::INFINITY);
 
 impl<'a> Walk<'a> {
-    /// A walk between two parameters, all inside the volume, below a root of 2^`log2` voxels per side.
-    pub fn new(pool: &'a [u32], root: u32, log2: u32, line: FaceLine<'a>, [at, end]: [f64; 2]) -> Self {
+    /// A walk between two parameters, all inside the volume.
+    pub fn new(graph: Graph<'a>, line: FaceLine<'a>, [at, end]: [f64; 2]) -> Self {
+        let log2 = graph.log2;
         let greatest = (1u32 << log2) - 1;
         // A cast rounds down and saturates: behind the last slice is the last.
         let voxel_at = |t: f64| core::array::from_fn(|axis| (line.coordinate(axis, t) as u32).min(greatest));
         let (voxel, last) = (voxel_at(at), voxel_at(end));
-        let descent = Descent::new(pool, root, log2);
+        let descent = Descent::new(graph);
         Self { line, descent, at, end, voxel, last, ahead: [NOWHERE; 3], is_done: false }
     }
 
@@ -127,6 +139,7 @@ impl Iterator for Walk<'_> {
 /// A descent to one voxel after another that begins at the least node which holds both: neighbours share most of their way.
 #[derive(Clone, Debug)]
 struct Descent<'a> {
+    graph: Graph<'a>,
     pool: &'a [u32],
     /// By level: the node that holds the last voxel, from the root's level down to `level`.
     nodes: [u32; MAX_LOG2_RESOLUTION as usize + 1],
@@ -136,14 +149,18 @@ struct Descent<'a> {
 }
 
 impl<'a> Descent<'a> {
-    fn new(pool: &'a [u32], root: u32, log2: u32) -> Self {
+    fn new(graph: Graph<'a>) -> Self {
+        let Graph { pool, root, log2, .. } = graph;
         let mut nodes = [LIT; MAX_LOG2_RESOLUTION as usize + 1];
         nodes[log2 as usize] = root;
-        Self { pool, nodes, level: log2, voxel: [0; 3] }
+        Self { graph, pool, nodes, level: log2, voxel: [0; 3] }
     }
 
     /// The largest homogeneous box that the graph has about a voxel of the volume.
     fn cell(&mut self, voxel: [u32; 3]) -> Cell {
+        if self.graph.is_silhouette {
+            return self.cell_of_column(voxel);
+        }
         let [dx, dy, dz] = [0, 1, 2].map(|axis| voxel[axis] ^ self.voxel[axis]);
         let shared = u32::BITS - (dx | dy | dz).leading_zeros();
         self.voxel = voxel;
@@ -157,6 +174,16 @@ impl<'a> Descent<'a> {
         }
         self.level = level;
         if node <= SHADOWED { cube(voxel, level, node == LIT) } else { self.cell_in_slices(node, voxel) }
+    }
+
+    /// The box about a voxel before or behind the depth of its tile, or of its texel.
+    fn cell_of_column(&self, voxel: [u32; 3]) -> Cell {
+        let Graph { pool, root, log2, .. } = self.graph;
+        let (level, depth) = silhouette::column(pool, root, log2, [voxel[0], voxel[1]]);
+        let lit = voxel[2] < depth;
+        let mut cell = cube(voxel, level, lit);
+        (cell.first[2], cell.end[2]) = if lit { (0, depth) } else { (depth, 1 << log2) };
+        cell
     }
 
     /// The box about a voxel in a slice node: neighbouring slices that are alike, or a texel of a mask.

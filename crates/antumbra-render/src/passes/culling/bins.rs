@@ -71,7 +71,8 @@ impl Bins {
         // In the order of triangles within each cell: the sort is stable.
         pieces.sort_by_key(|piece| piece.cell);
         let levels = binning.levels(grid);
-        let begins = (0..=grid.cells_to(levels)).map(|cell| pieces.partition_point(|piece| (piece.cell as usize) < cell));
+        let begins =
+            (0..=grid.cells_to(levels)).map(|cell| pieces.partition_point(|piece| (piece.cell as usize) < cell));
         let is_clipped = binning == Binning::Clip;
         Self {
             grid: *grid,
@@ -113,8 +114,7 @@ impl Bins {
     /// in each, as it is drawn in each.
     #[must_use]
     pub fn drawn(&self, marks: &Marks) -> usize {
-        self.marked(marks).map(|cell| self.of_cell(cell).len()).sum::<usize>()
-            + self.unculled.len()
+        self.marked(marks).map(|cell| self.of_cell(cell).len()).sum::<usize>() + self.unculled.len()
     }
 
     /// Cells that have triangles and are marked, or, of a coarser grid, in which some cell is.

@@ -1,0 +1,192 @@
+//! From sketches to the words of a pool: [`antumbra::format::silhouette`].
+
+use antumbra::format::dag8::NodeCounts;
+use antumbra::format::silhouette::{FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PAYLOAD, kind, payload, reference};
+use rustc_hash::FxHashMap;
+
+use super::accept::Forms;
+use super::form::DEEP;
+use super::sketch::{Set, Sketch};
+use crate::dag::{EncodeError, Encoded};
+
+/// One face's tree: its nodes begin at word 0, its forms at number 0.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tree {
+    forms: Vec<Form>,
+    nodes: Vec<u32>,
+    root: u32,
+}
+
+/// A pool that grows face by face.
+#[derive(Default)]
+struct Pool {
+    forms: Vec<Form>,
+    numbers: FxHashMap<Form, u32>,
+    words: Vec<u32>,
+}
+
+impl Tree {
+    pub fn new(sketch: &Sketch, forms: &Forms<'_>) -> Self {
+        let mut writer = Writer { tree: Self::default(), numbers: FxHashMap::default(), forms };
+        writer.tree.root = writer.tile(sketch);
+        writer.tree
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        (self.forms.len() * size_of::<Form>() + 4 * self.nodes.len()) as u64
+    }
+
+    pub fn is_lit(&self, slices: u32) -> bool {
+        self.root == slices
+    }
+}
+
+/// Writes a tree, children before their parents.
+struct Writer<'a> {
+    tree: Tree,
+    numbers: FxHashMap<Form, u32>,
+    forms: &'a Forms<'a>,
+}
+
+impl Writer<'_> {
+    fn tile(&mut self, sketch: &Sketch) -> u32 {
+        match sketch {
+            Sketch::Flat(set) => self.value(set),
+            Sketch::Cut(cut) => {
+                let slices = self.forms.slices.resolution().texels();
+                let edges: Vec<u32> = cut.edges.iter().map(|edge| self.form(self.forms.edge(*edge))).collect();
+                let regions = &cut.regions[..1 << edges.len()];
+                // Any depth will do for a region without texels.
+                let value = |r: &Option<Set>| r.as_ref().map_or(reference(Kind::Depth, slices), |set| self.value(set));
+                let values: Vec<u32> = regions.iter().map(value).collect();
+                let kind = if edges.len() == 1 { Kind::Cut } else { Kind::Cross };
+                self.node(kind, &[edges, values].concat())
+            }
+            Sketch::Masks(turns) => {
+                let of = |turn: &super::sketch::Turn| [turn.high, turn.lit as u32, (turn.lit >> 32) as u32];
+                let words: Vec<u32> = [turns.len() as u32].into_iter().chain(turns.iter().flat_map(of)).collect();
+                self.node(Kind::Masks, &words)
+            }
+            Sketch::Inner(children) => {
+                let children = [0, 1, 2, 3].map(|i| self.tile(&children[i]));
+                self.node(Kind::Inner, &children)
+            }
+        }
+    }
+
+    fn node(&mut self, kind: Kind, words: &[u32]) -> u32 {
+        let at = self.tree.nodes.len() as u32;
+        self.tree.nodes.extend_from_slice(words);
+        reference(kind, at)
+    }
+
+    fn value(&mut self, set: &Set) -> u32 {
+        let slices = self.forms.slices.resolution().texels();
+        if set.low <= set.high {
+            // Lit where it may be.
+            return reference(Kind::Depth, set.high.min(slices));
+        }
+        let Some(plane) = set.planes().next() else { return reference(Kind::Depth, slices) };
+        let Some(front) = self.forms.plane(plane).map(|form| self.form(form)) else {
+            return reference(Kind::Depth, slices);
+        };
+        match self.forms.back(plane).map(|form| self.form(form)) {
+            Some(back) => self.node(Kind::Wedge, &[front, back]),
+            None => reference(if plane.back == DEEP { Kind::Deep } else { Kind::Plane }, front),
+        }
+    }
+
+    fn form(&mut self, form: Form) -> u32 {
+        number(&mut self.tree.forms, &mut self.numbers, form)
+    }
+}
+
+fn number(forms: &mut Vec<Form>, numbers: &mut FxHashMap<Form, u32>, form: Form) -> u32 {
+    *numbers.entry(form).or_insert_with(|| {
+        forms.push(form);
+        forms.len() as u32 - 1
+    })
+}
+
+/// Puts faces' trees into one pool, in order.
+///
+/// # Errors
+/// [`EncodeError`].
+pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: &dyn Fn() -> bool) -> Result<Encoded, EncodeError> {
+    let held: u64 = trees.iter().map(Tree::bytes).sum();
+    if held.saturating_mul(2) > memory_limit {
+        return Err(EncodeError::MemoryLimit);
+    }
+    let mut pool = Pool::default();
+    let mut added_forms = Vec::new();
+    let numbers: Vec<Vec<u32>> = trees
+        .iter()
+        .map(|tree| {
+            let before = pool.forms.len();
+            let own = tree.forms.iter().map(|form| number(&mut pool.forms, &mut pool.numbers, *form)).collect();
+            added_forms.push(pool.forms.len() - before);
+            own
+        })
+        .collect();
+    pool.words.push(pool.forms.len() as u32);
+    pool.words.resize(HEADER_WORDS, 0);
+    pool.words.extend(pool.forms.iter().flat_map(|form| form.to_words()));
+    let nodes: usize = trees.iter().map(|tree| tree.nodes.len()).sum();
+    if pool.words.len() + nodes > MOST_PAYLOAD as usize {
+        return Err(EncodeError::TooManyWords);
+    }
+    pool.words.reserve_exact(nodes);
+    let (mut roots, mut added) = (Vec::new(), Vec::new());
+    for ((tree, forms), added_forms) in trees.iter().zip(&numbers).zip(added_forms) {
+        let before = pool.words.len();
+        let mut moved = Moved { tree, forms, words: &mut pool.words, counts: NodeCounts::default() };
+        roots.push(moved.tile(tree.root));
+        let counts = moved.counts;
+        added.push((counts, (added_forms * FORM_WORDS + pool.words.len() - before) as u64));
+        if !pause() {
+            return Err(EncodeError::Cancelled);
+        }
+    }
+    Ok(Encoded { pool: pool.words, roots, added })
+}
+
+/// A tree on its way into the pool.
+struct Moved<'a> {
+    tree: &'a Tree,
+    /// The pool's number of each of the tree's forms.
+    forms: &'a [u32],
+    words: &'a mut Vec<u32>,
+    counts: NodeCounts,
+}
+
+impl Moved<'_> {
+    fn tile(&mut self, tile: u32) -> u32 {
+        let at = payload(tile);
+        let tree = self.tree;
+        let words: Vec<u32> = match kind(tile) {
+            Kind::Inner => {
+                self.counts.inner += 1;
+                tree.nodes[at..at + 4].iter().map(|child| self.tile(*child)).collect()
+            }
+            Kind::Cut | Kind::Cross => {
+                self.counts.cuts += 1;
+                let edges = if kind(tile) == Kind::Cut { 1 } else { 2 };
+                let (edges, regions) = tree.nodes[at..at + edges + (1 << edges)].split_at(edges);
+                let edges: Vec<u32> = edges.iter().map(|edge| self.forms[*edge as usize]).collect();
+                edges.into_iter().chain(regions.iter().map(|region| self.tile(*region))).collect()
+            }
+            Kind::Wedge => tree.nodes[at..at + 2].iter().map(|form| self.forms[*form as usize]).collect(),
+            Kind::Masks => {
+                let turns = tree.nodes[at] as usize;
+                self.counts.masks += turns as u64;
+                tree.nodes[at..at + 1 + 3 * turns].to_vec()
+            }
+            Kind::Plane | Kind::Deep => return reference(kind(tile), self.forms[at]),
+            Kind::Depth => return tile,
+        };
+        let at = self.words.len() as u32;
+        self.words.extend(words);
+        reference(kind(tile), at)
+    }
+}

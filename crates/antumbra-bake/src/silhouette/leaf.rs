@@ -1,0 +1,207 @@
+//! Leaves: 8 x 8 texels, from their rays' intervals to the fewest edges that part them into regions of one depth each.
+
+use antumbra::format::silhouette::Form;
+
+use super::accept::Forms;
+use super::form::{DEEP, EdgeKey, PlaneKey, Side};
+use super::sketch::{Cut, Set, Sketch, Turn};
+use crate::columns::{Entry, Lanes, Leaf, LeafScratch, Transition};
+
+/// Edges and planes that are tried.
+const MOST_EDGES: usize = 10;
+const MOST_PLANES: usize = 16;
+/// Fronts and backs that wedges are tried of.
+const MOST_SIDES: usize = 4;
+/// Triangles that are looked at.
+const MOST_TRIANGLES: usize = 48;
+
+/// A leaf in the making.
+struct Parts<'a> {
+    enter: &'a Lanes,
+    exit: &'a Lanes,
+    /// Each plane, and the texels at which it is right.
+    planes: Vec<(PlaneKey, u64)>,
+}
+
+/// A leaf's sketch; `entries` are sorted by their first slices.
+pub(crate) fn sketch(
+    scratch: &mut LeafScratch,
+    leaf: Leaf<'_>,
+    entries: &[Entry],
+    clamp: u32,
+    forms: &Forms<'_>,
+) -> Sketch {
+    let slices = forms.slices.resolution().texels();
+    let [mut enter, mut exit] = scratch.intervals(leaf, entries, clamp);
+    enter.iter_mut().chain(&mut exit).for_each(|depth| *depth = (*depth).min(slices));
+    let entries = &entries[..entries.len().min(MOST_TRIANGLES)];
+    let planes = planes(&enter, &exit, leaf, entries, forms);
+    let parts = Parts { enter: &enter, exit: &exit, planes };
+    if let Some(set) = parts.set(u64::MAX) {
+        return Sketch::Flat(set);
+    }
+    let edges = edges(leaf, entries, forms);
+    parts.cut(&edges).unwrap_or_else(|| {
+        let turn = |t: &Transition| Turn { low: t.first, high: t.last, lit: t.lit };
+        Sketch::Masks(scratch.transitions(&enter, &exit, slices).iter().map(turn).collect())
+    })
+}
+
+impl Parts<'_> {
+    /// The depths that suit all texels of a mask.
+    fn set(&self, mask: u64) -> Option<Set> {
+        let (mut low, mut high) = (0, u32::MAX);
+        for i in 0..64 {
+            let on = ((mask >> i & 1) as u32).wrapping_neg();
+            low = low.max(self.enter[i] & on);
+            high = high.min(self.exit[i] | !on);
+        }
+        let mut set = Set::constants(low, high);
+        let fits = self.planes.iter().filter(|(_, right)| right & mask == mask);
+        fits.for_each(|(plane, _)| set.push(*plane));
+        (!set.is_empty()).then_some(set)
+    }
+
+    /// One edge that parts the leaf, or two.
+    fn cut(&self, edges: &[(EdgeKey, u64)]) -> Option<Sketch> {
+        let cut = |edges: Vec<EdgeKey>, regions| Some(Sketch::Cut(Box::new(Cut { edges, regions })));
+        for (edge, left) in edges {
+            if let (Some(right), Some(left)) = (self.set(!left), self.set(*left)) {
+                return cut(vec![*edge], [Some(right), Some(left), None, None]);
+            }
+        }
+        for (i, (a, left_a)) in edges.iter().enumerate() {
+            for (b, left_b) in &edges[i + 1..] {
+                let (first, second, left) = if a < b { (left_a, left_b, [*a, *b]) } else { (left_b, left_a, [*b, *a]) };
+                let masks = [!first & !second, first & !second, !first & second, first & second];
+                let mut regions = [None; 4];
+                let fits = masks.iter().zip(&mut regions).all(|(mask, region)| {
+                    *region = if *mask == 0 { None } else { self.set(*mask) };
+                    *mask == 0 || region.is_some()
+                });
+                if fits {
+                    return cut(left.to_vec(), regions);
+                }
+            }
+        }
+        None
+    }
+}
+
+/// A leaf's planes in the making.
+struct Planes<'a> {
+    enter: &'a Lanes,
+    exit: &'a Lanes,
+    /// Each that is right somewhere, and the texels where it is.
+    found: Vec<(PlaneKey, u64)>,
+    /// Triangles where rays enter a solid: depths just behind them, and deep ones.
+    fronts: Vec<(u32, [Lanes; 2])>,
+    /// Triangles where rays leave: depths just before them.
+    backs: Vec<(u32, Lanes)>,
+}
+
+/// Planes of the leaf's triangles that are right somewhere, and where.
+fn planes(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(PlaneKey, u64)> {
+    let slices = forms.slices.resolution().texels();
+    let mut planes = Planes { enter, exit, found: Vec::new(), fronts: Vec::new(), backs: Vec::new() };
+    for entry in entries {
+        if planes.found.len() >= MOST_PLANES {
+            break;
+        }
+        let winding = forms.triangles[entry.triangle as usize].winding();
+        let side = match winding {
+            1 => Side::Past,
+            -1 => Side::Before,
+            _ => Side::Behind,
+        };
+        let key = PlaneKey::new(entry.triangle, side);
+        let Some(form) = forms.plane(key) else { continue };
+        let own = depths_at(&form, leaf, slices);
+        if winding == -1 {
+            planes.backs.push((entry.triangle, own));
+        } else {
+            let deep = depths_at(&form.deep(), leaf, slices);
+            planes.push(PlaneKey { back: DEEP, ..key }, &deep);
+            planes.fronts.extend((winding == 1).then_some((entry.triangle, [own, deep])));
+        }
+        planes.push(key, &own);
+    }
+    planes.push_wedges();
+    planes.found
+}
+
+impl Planes<'_> {
+    fn push(&mut self, plane: PlaneKey, depths: &Lanes) {
+        let is_right = |i: usize| self.enter[i] <= depths[i] && depths[i] <= self.exit[i];
+        let right = (0..64).fold(0, |right, i| right | (u64::from(is_right(i)) << i));
+        if right != 0 {
+            self.found.push((plane, right));
+        }
+    }
+
+    fn push_wedges(&mut self) {
+        let (fronts, backs) = (std::mem::take(&mut self.fronts), std::mem::take(&mut self.backs));
+        for (front, [own, deep]) in fronts.iter().take(MOST_SIDES) {
+            for (back, before) in backs.iter().take(MOST_SIDES) {
+                let mut depths = *own;
+                for (i, depth) in depths.iter_mut().enumerate() {
+                    *depth = (*depth).max(deep[i].min(before[i]));
+                }
+                self.push(PlaneKey::wedge(*front, *back), &depths);
+            }
+        }
+    }
+}
+
+/// A form's values at a leaf's texels.
+fn values(form: Form, leaf: Leaf<'_>) -> impl Iterator<Item = i64> {
+    let corner = form.at([leaf.tile.x, leaf.tile.y]);
+    let [a, b] = [i64::from(form.a), i64::from(form.b)];
+    (0..64i64).map(move |i| corner + a * (i & 7) + b * (i >> 3))
+}
+
+fn depths_at(form: &Form, leaf: Leaf<'_>, slices: u32) -> Lanes {
+    let mut depths = [0; 64];
+    for (depth, value) in depths.iter_mut().zip(values(*form, leaf)) {
+        *depth = (value >> form.shift).clamp(0, i64::from(slices)) as u32;
+    }
+    depths
+}
+
+/// The edges that cross the leaf, and the texels to the left of each: silhouettes first, then others, from front to back.
+fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(EdgeKey, u64)> {
+    let mut found: Vec<(EdgeKey, u64, i32)> = Vec::new();
+    for entry in entries {
+        let triangle = &forms.triangles[entry.triangle as usize];
+        if triangle.is_edge_on() {
+            continue;
+        }
+        for i in 0..3 {
+            let [from, to] = triangle.edge_ends(i);
+            let (key, way) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
+            if let Some((_, _, sum)) = found.iter_mut().find(|(known, _, _)| *known == key) {
+                *sum += way;
+                continue;
+            }
+            let left = left_of(forms.edge(key), leaf);
+            if left != 0 && left != u64::MAX {
+                found.push((key, left, way));
+            }
+        }
+    }
+    let (mut silhouettes, others): (Vec<_>, Vec<_>) = found.into_iter().partition(|(_, _, sum)| *sum != 0);
+    silhouettes.extend(others);
+    let mut edges: Vec<(EdgeKey, u64)> = Vec::new();
+    for (key, left, _) in silhouettes {
+        let is_new = edges.iter().all(|(_, known)| *known != left && *known != !left);
+        if is_new && edges.len() < MOST_EDGES {
+            edges.push((key, left));
+        }
+    }
+    edges
+}
+
+/// The texels to the left of an edge.
+fn left_of(edge: Form, leaf: Leaf<'_>) -> u64 {
+    values(edge, leaf).zip(0..).fold(0, |left, (value, i)| left | (u64::from(value >= 0) << i))
+}

@@ -1,0 +1,32 @@
+//! Silhouettes: a light's shadow as a quadtree of tiles that the casters' own edges cut and their own planes bound. Its size
+//! follows from the geometry, hardly from the resolution.
+//!
+//! The recursion is that of [`crate::columns`]: tiles with the triangles that touch them (`build`). At 8 x 8 texels each ray's interval
+//! is solved exactly, and the fewest edges are found that part the rays into regions of which one depth suits all (`leaf`): a constant, a
+//! triangle's plane (`form`), or the deeper of two planes, as where a solid ends in an edge and its front and its back meet. What is
+//! found is a *sketch*: for each region the set of depths that would do. Four tiles become one while two edges are enough and the
+//! sets of each region still meet (`sketch`, `accept`), so tiles grow until geometry stops them. Planes also come from the gaps by which
+//! the builder settles greater tiles (`gap`). Words come last (`encode`).
+//!
+//! Ours. Nothing is lost: at every texel the depth lies in the ray's interval, as in the voxel graph.
+
+mod accept;
+mod build;
+mod encode;
+mod form;
+mod gap;
+mod leaf;
+mod sketch;
+
+use crate::columns::{Build, BuildError};
+
+pub(crate) use encode::{Tree, encode};
+
+/// Builds one face of a light.
+///
+/// # Errors
+/// [`BuildError`].
+pub(crate) fn build(build: &Build<'_>) -> Result<Tree, BuildError> {
+    let sketch = build::sketch(build)?;
+    Ok(Tree::new(&sketch, &accept::Forms { triangles: build.triangles, slices: build.slices }))
+}

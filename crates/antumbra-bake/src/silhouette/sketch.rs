@@ -1,0 +1,174 @@
+//! Sketches: what is known of a tile before depths are chosen. A leaf's regions each have a set of depths, any of which is right
+//! at all of the region's texels; four leaves become one while two edges are enough and each region's sets still meet.
+
+use antumbra::format::silhouette::Form;
+
+use super::accept::{Forms, corners};
+use super::form::{EdgeKey, PlaneKey};
+use crate::columns::Tile;
+
+/// Planes kept of a set.
+const MOST_PLANES: usize = 6;
+/// Planes that are tried.
+const MOST_TRIED: usize = 12;
+
+/// Depths (first shadowed slices, N for none) that are right for every texel of a region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Set {
+    /// Constants from `low` to `high`; none if `high` is less.
+    pub low: u32,
+    pub high: u32,
+    planes: [Option<PlaneKey>; MOST_PLANES],
+}
+
+/// A tile's regions by the sides of its edges: bit i of a region's number is set to the left of edge i.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Cut {
+    pub edges: Vec<EdgeKey>,
+    pub regions: [Option<Set>; 4],
+}
+
+/// A transition that any of the depths `low` to `high` suits, behind which the texels of `lit` are still lit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Turn {
+    pub low: u32,
+    pub high: u32,
+    pub lit: u64,
+}
+
+/// A tile.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Sketch {
+    /// One region.
+    Flat(Set),
+    /// Two to four.
+    Cut(Box<Cut>),
+    /// 8 x 8 texels that turn at several depths, nearest first.
+    Masks(Vec<Turn>),
+    /// Four tiles.
+    Inner(Box<[Sketch; 4]>),
+}
+
+impl Set {
+    pub fn constants(low: u32, high: u32) -> Self {
+        Self { low, high, planes: [None; MOST_PLANES] }
+    }
+
+    /// Adds a plane while there is room.
+    pub fn push(&mut self, plane: PlaneKey) {
+        if let Some(free) = self.planes.iter_mut().find(|p| p.is_none()) {
+            *free = Some(plane);
+        }
+    }
+
+    pub fn planes(&self) -> impl Iterator<Item = PlaneKey> + '_ {
+        self.planes.iter().flatten().copied()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.low > self.high && self.planes[0].is_none()
+    }
+}
+
+impl Sketch {
+    fn edges(&self) -> Option<&[EdgeKey]> {
+        match self {
+            Self::Flat(_) => Some(&[]),
+            Self::Cut(cut) => Some(&cut.edges),
+            Self::Masks(_) | Self::Inner(_) => None,
+        }
+    }
+
+    fn region(&self, number: usize) -> Option<&Set> {
+        match self {
+            Self::Flat(set) => (number == 0).then_some(set),
+            Self::Cut(cut) => cut.regions[number].as_ref(),
+            Self::Masks(_) | Self::Inner(_) => None,
+        }
+    }
+
+    /// Bytes of an inner tile, but for those of inner tiles in it.
+    pub fn own_bytes(&self) -> u64 {
+        let Self::Inner(children) = self else { return 0 };
+        let of = |child: &Self| match child {
+            Self::Flat(_) | Self::Inner(_) => 0,
+            Self::Cut(cut) => size_of::<Cut>() + cut.edges.len() * size_of::<EdgeKey>(),
+            Self::Masks(turns) => turns.len() * size_of::<Turn>(),
+        };
+        (size_of::<[Self; 4]>() + children.iter().map(of).sum::<usize>()) as u64
+    }
+
+    /// A tile of four.
+    pub fn of(children: [Self; 4], parent: Tile, forms: &Forms<'_>) -> Self {
+        match merged(&children, parent, forms) {
+            Some(sketch) => sketch,
+            None => Self::Inner(Box::new(children)),
+        }
+    }
+}
+
+fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Sketch> {
+    let mut edges: Vec<EdgeKey> = Vec::new();
+    for child in children {
+        for edge in child.edges()? {
+            if !edges.contains(edge) {
+                edges.push(*edge);
+            }
+        }
+        if edges.len() > 2 {
+            return None;
+        }
+    }
+    edges.sort_unstable();
+    let edge_forms: Vec<Form> = edges.iter().map(|edge| forms.edge(*edge)).collect();
+    let mut parts: [Vec<(Tile, &Set)>; 4] = Default::default();
+    for (i, child) in (0..).zip(children) {
+        let tile = parent.child(i);
+        let own = child.edges()?;
+        // Which sides of the parent's edges the tile lies on: bit 0 to the right, bit 1 to the left.
+        let sides = edge_forms.iter().map(|form| {
+            let at = corners(tile).map(|texel| form.at(texel) >= 0);
+            u32::from(at.contains(&false)) | (u32::from(at.contains(&true)) << 1)
+        });
+        let sides: Vec<u32> = sides.collect();
+        for number in 0..1 << own.len() {
+            let Some(set) = child.region(number) else { continue };
+            for (region, part) in parts.iter_mut().enumerate().take(1 << edges.len()) {
+                let is_part = edges.iter().zip(&sides).enumerate().all(|(bit, (edge, sides))| {
+                    let side = region >> bit & 1;
+                    match own.iter().position(|e| e == edge) {
+                        Some(at) => number >> at & 1 == side,
+                        None => sides >> side & 1 != 0,
+                    }
+                });
+                if is_part {
+                    part.push((tile, set));
+                }
+            }
+        }
+    }
+    let mut regions = [None; 4];
+    for (region, parts) in regions.iter_mut().zip(&parts) {
+        if !parts.is_empty() {
+            *region = Some(met(parts, forms)?);
+        }
+    }
+    Some(if edges.is_empty() { Sketch::Flat(regions[0]?) } else { Sketch::Cut(Box::new(Cut { edges, regions })) })
+}
+
+/// The depths that all of some regions' sets have, if there are any.
+fn met(parts: &[(Tile, &Set)], forms: &Forms<'_>) -> Option<Set> {
+    let low = parts.iter().map(|(_, set)| set.low).max()?;
+    let high = parts.iter().map(|(_, set)| set.high).min()?;
+    let mut all = Set::constants(low, high);
+    let mut tried: Vec<PlaneKey> = Vec::new();
+    for plane in parts.iter().flat_map(|(_, set)| set.planes()) {
+        if tried.len() < MOST_TRIED && !tried.contains(&plane) {
+            tried.push(plane);
+            if parts.iter().all(|(tile, set)| forms.accepts(set, *tile, plane)) {
+                all.push(plane);
+            }
+        }
+    }
+    (!all.is_empty()).then_some(all)
+}

@@ -1,0 +1,311 @@
+//! The node encoding `silhouette`: a quadtree over the shadow map whose leaves are cut by the casters' own edges and bounded by
+//! their own planes, so that a file hardly grows with resolution. Ours; relatives are the shadow silhouette maps of Sen,
+//! Cammarano, Hanrahan 2003 (edges), the sparse shadow trees of Myers 2016 (planes) and the multiresolution hierarchies of
+//! Scandolo, Bauszat, Eisemann 2016.
+//!
+//! The pool is an array of 32-bit words:
+//!
+//! ```text
+//! word   contents
+//! 0      F: number of forms
+//! 1..8   zero
+//! 8      forms, four words each
+//! 8+4F   nodes
+//! ```
+//!
+//! A **form** is a linear function over texels, v(x, y) = a x + b y + c, in whole numbers:
+//!
+//! ```text
+//! word 0  a, signed
+//!      1  b, signed
+//!      2  c, low word
+//!      3  bits 23..0: c, high word, signed; bits 31..24: shift, 0 to 31
+//! ```
+//!
+//! It is an *edge* (a texel lies to its left where v is not negative) or a *plane* (whose depth is v >> shift, rounded down and
+//! clamped to 0..N).
+//!
+//! A **reference** says in its upper three bits what it is, and in the others where:
+//!
+//! ```text
+//! 0 depth   the depth itself, 0 to N (N: lit throughout)
+//! 1 plane   a form's number
+//! 2 wedge   a node of two words, the numbers of two planes, front and back: the depth is the front's deep one, but where the back's
+//!           is less that, and no less than the front's
+//! 3 inner   a node of four words, references to four tiles of half the side, x fastest
+//! 4 cut     a node of three words: an edge's number, and references for the texels to its right and its left
+//! 5 cross   a node of six words: two edges' numbers, and four references; bit i of their order is set to the left of edge i
+//! 6 masks   a node of 1 + 3n words: n from 1 to 64, and n times a depth, and a mask of 8 x 8 texels (low word first; bit 8 y + x) that
+//!           are lit behind it. Depths rise, masks shrink. Tiles of 8 x 8 texels alone
+//! 7 deep    a form's number: the plane half a slice behind its deepest point within each texel, (v + e) >> shift, where
+//!           e = (|a| + |b|) / 2 rounded down + 2^shift / 2 rounded down + 2^shift / 256 rounded down
+//! ```
+//!
+//! The references of cuts and crosses are depths, planes, deep planes or wedges. Voxel (x, y, z) is lit iff z is less than the depth at its texel.
+//!
+//! Nodes lie in the order of a walk through each root's tree, lights in the file's order, children before their parents, each once;
+//! forms in the order in which that walk meets them first. So equal scenes give equal bytes, and there are no cycles.
+
+use crate::FormatError;
+
+use super::dag8::NodeCounts;
+
+/// Words before the forms.
+pub const HEADER_WORDS: usize = 8;
+/// Words of a form.
+pub const FORM_WORDS: usize = 4;
+/// log2 of the side of tiles with masks.
+pub const MASK_LEVEL: u32 = 3;
+/// Most bits of a form's shift.
+pub const MOST_SHIFT: u32 = 31;
+
+/// What a reference is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A constant depth.
+    Depth,
+    /// A plane.
+    Plane,
+    /// Between two planes.
+    Wedge,
+    /// Four tiles.
+    Inner,
+    /// Two regions.
+    Cut,
+    /// Four regions.
+    Cross,
+    /// Depths by masks.
+    Masks,
+    /// A plane behind its deepest points in texels.
+    Deep,
+}
+
+const PAYLOAD_BITS: u32 = 29;
+
+/// Greatest payload of a reference.
+pub const MOST_PAYLOAD: u32 = (1 << PAYLOAD_BITS) - 1;
+
+/// A reference of a kind.
+#[inline]
+#[must_use]
+pub fn reference(kind: Kind, payload: u32) -> u32 {
+    ((kind as u32) << PAYLOAD_BITS) | payload
+}
+
+/// What a reference is.
+#[inline(always)]
+#[must_use]
+pub fn kind(reference: u32) -> Kind {
+    match reference >> PAYLOAD_BITS {
+        0 => Kind::Depth,
+        1 => Kind::Plane,
+        2 => Kind::Wedge,
+        3 => Kind::Inner,
+        4 => Kind::Cut,
+        5 => Kind::Cross,
+        6 => Kind::Masks,
+        _ => Kind::Deep,
+    }
+}
+
+/// A reference's depth, form or word.
+#[inline(always)]
+#[must_use]
+pub fn payload(reference: u32) -> usize {
+    (reference & MOST_PAYLOAD) as usize
+}
+
+/// A linear function over texels: a x + b y + c.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Form {
+    /// Per texel along x.
+    pub a: i32,
+    /// Per texel along y.
+    pub b: i32,
+    /// At texel (0, 0): less than 2^55 either way.
+    pub c: i64,
+    /// Bits behind the binary point of a plane's depths.
+    pub shift: u32,
+}
+
+impl Form {
+    /// Reads a form of a pool by its number.
+    #[inline(always)]
+    #[must_use]
+    pub fn read(pool: &[u32], number: usize) -> Self {
+        let at = HEADER_WORDS + FORM_WORDS * number;
+        let words = &pool[at..at + FORM_WORDS];
+        // Bits 23..0 of the last word, with their sign.
+        let high = ((words[3] << 8) as i32) >> 8;
+        let c = (i64::from(high) << 32) | i64::from(words[2]);
+        Self { a: words[0] as i32, b: words[1] as i32, c, shift: words[3] >> 24 & MOST_SHIFT }
+    }
+
+    /// Its words.
+    #[must_use]
+    pub fn to_words(self) -> [u32; FORM_WORDS] {
+        let high = (self.c >> 32) as u32 & 0x00ff_ffff;
+        [self.a as u32, self.b as u32, self.c as u32, high | (self.shift << 24)]
+    }
+
+    /// The value at a texel.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(&self, [x, y]: [u32; 2]) -> i64 {
+        i64::from(self.a) * i64::from(x) + i64::from(self.b) * i64::from(y) + self.c
+    }
+
+    /// The form half a slice behind a plane's deepest point within each texel.
+    #[inline(always)]
+    #[must_use]
+    pub fn deep(self) -> Self {
+        let one = 1i64 << self.shift;
+        let rise = (i64::from(self.a.unsigned_abs()) + i64::from(self.b.unsigned_abs())) >> 1;
+        Self { c: self.c + rise + (one >> 1) + (one >> 8), ..self }
+    }
+
+    /// A plane's depth at a texel: the first shadowed slice, 0 to `slices`.
+    #[inline(always)]
+    #[must_use]
+    pub fn depth(&self, texel: [u32; 2], slices: u32) -> u32 {
+        (self.at(texel) >> self.shift).clamp(0, i64::from(slices)) as u32
+    }
+}
+
+/// A pool that is being checked: the roots' trees must follow one another in it.
+pub struct Check<'a> {
+    pool: &'a [u32],
+    forms: usize,
+    /// Forms that were met so far: they are numbered in that order.
+    met: usize,
+    /// Where nodes begin, and where the next one must.
+    begin: usize,
+    next: usize,
+    counts: NodeCounts,
+}
+
+impl<'a> Check<'a> {
+    /// Reads the pool's header and its forms.
+    ///
+    /// # Errors
+    /// [`FormatError::Malformed`] if they do not fit.
+    pub fn new(pool: &'a [u32]) -> Result<Self, FormatError> {
+        let &[forms, 0, 0, 0, 0, 0, 0, 0] = pool.get(..HEADER_WORDS).unwrap_or_default() else {
+            return Err(FormatError::Malformed("the silhouette pool's header is cut off or has stray words"));
+        };
+        let next = HEADER_WORDS as u64 + u64::from(forms) * FORM_WORDS as u64;
+        if next > pool.len() as u64 || forms > MOST_PAYLOAD {
+            return Err(FormatError::Malformed("the silhouette pool's forms do not fit in it"));
+        }
+        let shifts = pool[HEADER_WORDS..next as usize].chunks_exact(FORM_WORDS).map(|form| form[3] >> 24);
+        if shifts.into_iter().any(|shift| shift > MOST_SHIFT) {
+            return Err(FormatError::Malformed("a form has an impossible shift"));
+        }
+        let (forms, begin) = (forms as usize, next as usize);
+        Ok(Self { pool, forms, met: 0, begin, next: begin, counts: NodeCounts::default() })
+    }
+
+    /// Checks the tree of a root over 2^`level` texels per side, in a light of 2^`log2` slices.
+    ///
+    /// # Errors
+    /// [`FormatError::Malformed`] with what is wrong.
+    pub fn tree(&mut self, root: u32, level: u32, log2: u32) -> Result<(), FormatError> {
+        let at = payload(root);
+        match kind(root) {
+            Kind::Inner if level > MASK_LEVEL => {
+                for child in self.node_words(at, 4)? {
+                    self.tree(*child, level - 1, log2)?;
+                }
+                self.counts.inner += 1;
+                self.node(at, 4)
+            }
+            Kind::Cut | Kind::Cross => {
+                let edges = if kind(root) == Kind::Cut { 1 } else { 2 };
+                let words = self.node_words(at, edges + (1 << edges))?;
+                let (edges, regions) = words.split_at(edges);
+                edges.iter().try_for_each(|edge| self.form(*edge))?;
+                regions.iter().try_for_each(|region| self.value(*region, log2))?;
+                self.counts.cuts += 1;
+                self.node(at, words.len())
+            }
+            Kind::Masks if level == MASK_LEVEL => {
+                let turns = self.node_words(at, 1)?[0] as usize;
+                if !(1..=64).contains(&turns) {
+                    return Err(FormatError::Malformed("a tile has an impossible number of masks"));
+                }
+                let words = self.node_words(at, 1 + 3 * turns)?;
+                let mut last = (0, u64::MAX);
+                for turn in words[1..].chunks_exact(3) {
+                    let mask = u64::from(turn[1]) | (u64::from(turn[2]) << 32);
+                    if turn[0] < last.0 || turn[0] >> log2 != 0 || mask & !last.1 != 0 {
+                        return Err(FormatError::Malformed("a tile's masks are out of order"));
+                    }
+                    last = (turn[0], mask);
+                }
+                self.counts.masks += turns as u64;
+                self.node(at, words.len())
+            }
+            _ => self.value(root, log2),
+        }
+    }
+
+    /// That every word belongs to some root's tree.
+    ///
+    /// # Errors
+    /// [`FormatError::Malformed`] if some are left over.
+    pub fn finish(self) -> Result<NodeCounts, FormatError> {
+        if self.next == self.pool.len() && self.met == self.forms {
+            Ok(self.counts)
+        } else {
+            Err(FormatError::Malformed("the silhouette pool has nodes or forms that no light reaches"))
+        }
+    }
+
+    /// Words of the nodes and forms so far.
+    #[must_use]
+    pub fn words(&self) -> usize {
+        self.next - self.begin + FORM_WORDS * self.met
+    }
+
+    /// Nodes so far.
+    #[must_use]
+    pub fn counts(&self) -> NodeCounts {
+        self.counts
+    }
+
+    fn node_words(&self, at: usize, count: usize) -> Result<&'a [u32], FormatError> {
+        // Children stand before their parents.
+        let words = if at < self.next { None } else { self.pool.get(at..at + count) };
+        words.ok_or(FormatError::Malformed("a node is cut off or out of order"))
+    }
+
+    fn node(&mut self, at: usize, words: usize) -> Result<(), FormatError> {
+        if at != self.next {
+            return Err(FormatError::Malformed("a node is out of order"));
+        }
+        self.next += words;
+        Ok(())
+    }
+
+    fn form(&mut self, number: u32) -> Result<(), FormatError> {
+        let number = number as usize;
+        if number >= self.forms || number > self.met {
+            return Err(FormatError::Malformed("a node refers to no form, or to one out of order"));
+        }
+        self.met = self.met.max(number + 1);
+        Ok(())
+    }
+
+    fn value(&mut self, value: u32, log2: u32) -> Result<(), FormatError> {
+        let at = payload(value);
+        match kind(value) {
+            Kind::Depth if at <= 1 << log2 => Ok(()),
+            Kind::Plane | Kind::Deep => self.form(at as u32),
+            Kind::Wedge => {
+                self.node_words(at, 2)?.iter().try_for_each(|form| self.form(*form))?;
+                self.node(at, 2)
+            }
+            _ => Err(FormatError::Malformed("a tile refers to something that is no depth")),
+        }
+    }
+}
