@@ -1,7 +1,7 @@
 //! `antumbra bench`: tables and plots of the papers, and of our own.
 //!
 //! A table is a module that measures and hands over a [`report::Report`]: rows for JSON, sections for Markdown and plots.
-//! [`ablations`] and [`culling`] run inside this process; [`construction`] and [`lamps`] run every bake as a child process
+//! [`ablations`], [`culling`] and [`encodings`] run inside this process; [`construction`] and [`lamps`] run every bake as a child process
 //! ([`child`]), so that its peak memory is its own; [`csm`] and [`fly`] draw frames on the graphics card along a way ([`path`]), [`ivsv`] one
 //! frame again and again.
 
@@ -10,6 +10,7 @@ pub mod child;
 pub mod construction;
 pub mod csm;
 pub mod culling;
+pub mod encodings;
 pub mod fly;
 pub mod ivsv;
 pub mod lamps;

@@ -68,7 +68,7 @@ fn growth_is_drawn() {
 #[test]
 fn what_cannot_be_measured_is_told() {
     let folder = folder();
-    run(folder.path(), "bench encodings").fails(&["\"encodings\" is not in this version", "ablations"]);
+    run(folder.path(), "bench everything").fails(&["\"everything\" is not in this version", "ablations"]);
     run(folder.path(), "bench ablations {city} --light moon").fails(&["\"moon\"", "sun"]);
     run(folder.path(), "bench ablations {city} --only depth --largest 64").fails(&["spot or point light"]);
     run(folder.path(), "bench ablations {x.glb}").fails(&["cannot read", "x.glb"]);

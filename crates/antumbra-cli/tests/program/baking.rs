@@ -64,6 +64,29 @@ fn silhouettes_are_baked_told_of_and_looked_up() {
         .fails(&["methods", "--encoding dag8"]);
 }
 
+#[test]
+fn bench_encodings_measures_both() {
+    let folder = folder();
+    let line = "bench encodings {city} --sun 225,30 --smallest 256 --largest 512 --points 1000 --out {tables} --json";
+    let rows = run(folder.path(), line).json()["rows"].clone();
+    let rows = rows.as_array().expect("rows");
+    assert_eq!(rows.len(), 4);
+    for pair in rows.chunks(2) {
+        assert_eq!((&pair[0]["encoding"], &pair[1]["encoding"]), (&"dag8".into(), &"silhouette".into()));
+        let ratio = bytes(&pair[1]["file_bytes"]) as f64 / bytes(&pair[0]["file_bytes"]) as f64;
+        assert!((pair[1]["bytes_ratio"].as_f64().expect("a ratio") - ratio).abs() < 1e-9);
+        assert!(pair[1]["differing_share"].as_f64().expect("a share") < 0.2);
+        assert!(
+            ["random_per_us", "coherent_per_us", "filtered_per_us"].iter().all(|key| pair[1][key].as_f64() > Some(0.0))
+        );
+    }
+    assert!(rows[0]["growth"].is_null() && rows[2]["growth"].as_f64() > Some(1.0));
+    for file in ["encodings.md", "encodings.json"] {
+        assert!(folder.path().join("tables").join(file).exists(), "{file}");
+    }
+    run(folder.path(), "bench encodings {city} --smallest 512 --largest 256").fails(&["--smallest"]);
+}
+
 fn bytes(value: &Value) -> u64 {
     value.as_u64().expect("a number")
 }

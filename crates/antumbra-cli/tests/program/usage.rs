@@ -67,7 +67,7 @@ fn what_comes_later_says_so() {
     let folder = folder();
     let later = [
         "rebuild f a.glb b.glb -o g",
-        "bench encodings",
+        "bench everything",
         "bake {city} -o {b} --resume",
         "bake {city} -o {b} --encoding best",
     ];

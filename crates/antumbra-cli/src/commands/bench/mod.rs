@@ -4,6 +4,7 @@ mod ablations;
 mod construction;
 mod csm;
 mod culling;
+mod encodings;
 mod ivsv;
 mod lamps;
 
@@ -16,7 +17,7 @@ use clap::Subcommand;
     after_help = "Example:\n  antumbra bench construction --largest 8192 --out tables",
     arg_required_else_help = true,
     subcommand_value_name = "TABLE",
-    subcommand_help_heading = "Tables (encodings come with a later version)",
+    subcommand_help_heading = "Tables",
     disable_help_subcommand = true
 )]
 pub struct Args {
@@ -34,6 +35,8 @@ enum Table {
     Csm(csm::Args),
     /// Shadow maps of many lights: triangles and times with voxel culling, with frusta and without; its ablations
     Culling(culling::Args),
+    /// Bytes, time to build and lookups per second of both encodings over resolution
+    Encodings(encodings::Args),
     /// Soft shadows in fog: time per step beside the slow ways, error against traced truth
     Ivsv(ivsv::Args),
     /// Seconds and bytes of every spot and point light of a scene, and a flight among them
@@ -49,10 +52,11 @@ pub fn run(args: &Args) -> Result<()> {
         Table::Construction(args) => construction::run(args),
         Table::Csm(args) => csm::run(args),
         Table::Culling(args) => culling::run(args),
+        Table::Encodings(args) => encodings::run(args),
         Table::Ivsv(args) => ivsv::run(args),
         Table::Lamps(args) => lamps::run(args),
         Table::Other(words) => bail!(
-            "the table \"{}\" is not in this version; this one has: ablations, construction, csm, culling, ivsv, lamps",
+            "the table \"{}\" is not in this version; this one has: ablations, construction, csm, culling, encodings, ivsv, lamps",
             words.first().map_or("", String::as_str)
         ),
     }
