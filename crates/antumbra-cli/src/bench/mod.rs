@@ -27,6 +27,6 @@ fn ratio(a: u64, b: u64) -> f64 {
 }
 
 /// Powers of two from `first` to `last`; `last` alone if `first` is greater.
-fn resolutions(first: u32, last: u32) -> impl Iterator<Item = Resolution> {
+pub fn resolutions(first: u32, last: u32) -> impl Iterator<Item = Resolution> {
     Resolution::all().filter(move |r| (first.min(last)..=last).contains(&r.texels()))
 }
