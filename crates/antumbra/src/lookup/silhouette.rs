@@ -183,8 +183,8 @@ impl Cube<'_> {
         if kind(tile) == Kind::Depth {
             return lit_of(payload(tile) as u32) << (2 * level);
         }
-        let side = 1 << level;
-        let texels = (0..side * side).map(|i| [x + i % side, y + i / side]);
+        let side = 1u32 << level;
+        let texels = (0..side).flat_map(|row| (0..side).map(move |column| [x + column, y + row]));
         texels.map(|texel| lit_of(depth(self.pool, tile, level, texel, self.slices))).sum()
     }
 }
