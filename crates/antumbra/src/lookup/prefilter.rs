@@ -76,7 +76,7 @@ impl<'a> LightShadow<'a> {
 
     /// Mean visibility of the node of 2^`level` voxels per side that holds a voxel of a face.
     ///
-    /// Nodes of the encoding [`dag8`](crate::format::dag8) know theirs; of silhouettes every texel is looked at at which the depth is
+    /// Nodes of the encoding [`dag8`] know theirs; of silhouettes every texel is looked at at which the depth is
     /// not constant: up to 4^`level`.
     ///
     /// # Panics
