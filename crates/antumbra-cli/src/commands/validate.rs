@@ -22,11 +22,12 @@ pub fn run(args: &Args) -> Result<()> {
     let shown = args.file.display();
     canonical::check(&file).with_context(|| shown.to_string())?;
     let nodes = file.node_counts();
+    let (leaves, name) = if file.is_silhouettes() { (nodes.cuts, "cuts") } else { (nodes.slices, "slice nodes") };
     output::print(&format!(
-        "ok: {shown}: {} light(s), {} inner nodes, {} slice nodes, {} masks, {}\n",
+        "ok: {shown}: {} light(s), {} inner nodes, {} {name}, {} masks, {}\n",
         file.lights().len(),
         count(nodes.inner),
-        count(nodes.slices),
+        count(leaves),
         count(nodes.masks),
         bytes(file_bytes),
     ))
