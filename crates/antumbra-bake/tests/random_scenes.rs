@@ -152,6 +152,40 @@ fn touching_solids_leave_no_slit() {
     assert_agrees(stack, [0.0, -1.0, 0.0], Interior::Closed);
 }
 
+/// Where something hides part of a thin folded sheet, its underside is dropped from the lists of the tiles beside: planes of one fold,
+/// carried on beyond it, must not end up below the sheet.
+#[test]
+fn thin_folded_sheets_under_specks() {
+    let (folds, thickness) = (24u32, 0.032);
+    let corner = |i: u32| {
+        let (fold, rest) = (i / 4, i % 4);
+        let x = 2.0 * fold as f32 / folds as f32 - 1.0;
+        let height = if fold.is_multiple_of(2) { 0.0 } else { 0.12 };
+        [x, height - if rest & 1 == 0 { 0.0 } else { thickness }, if rest & 2 == 0 { -1.0 } else { 1.0 }]
+    };
+    let quad = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    let of_fold = |i: u32| {
+        let (a, b) = (4 * i, 4 * i + 4);
+        let sides =
+            [[a, a + 2, b + 2, b], [a + 1, b + 1, b + 3, a + 3], [a, b, b + 1, a + 1], [a + 2, a + 3, b + 3, b + 2]];
+        sides.into_iter().flat_map(quad)
+    };
+    let end = 4 * folds;
+    let ends = [[0, 1, 3, 2], [end, end + 2, end + 3, end + 1]].into_iter().flat_map(quad);
+    let sheet = ((0..end + 4).map(corner).collect(), (0..folds).flat_map(of_fold).chain(ends).collect());
+    let specks = (0..1600).map(|i| {
+        let at = |k: u32| f64::from((i * 7919 + k * 104_729) % 1000) / 500.0 - 1.0;
+        cuboid([at(1), 0.3 + 0.02 * at(2), f64::from(i / 40) / 20.0 - 1.0], [0.002, 0.002, 0.002], at(4))
+    });
+    let scene = scene(specks.chain([sheet]).collect(), DAffine3::IDENTITY);
+    let options = BakeOptions { encoding: Encoding::Silhouette, ..options(Interior::Auto, 1024, 0) };
+    for direction in [[0.0, -1.0, 0.0], [0.1, -1.0, 0.05], SLANT] {
+        let checked = bake_for_check(&scene, &sun(direction), &options);
+        assert_eq!(checked.file.stats().unwrap().triangles_open, 0);
+        check_all(&checked).unwrap();
+    }
+}
+
 #[test]
 fn cavities_are_told_from_lone_inverted_parts() {
     let outer = cuboid([0.0; 3], [1.0; 3], 0.0);

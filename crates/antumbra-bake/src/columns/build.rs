@@ -234,7 +234,7 @@ impl<'a> Worker<'a> {
                 self.build.record_enters(tile, [u32::MAX; 2]);
                 self.push_lit(tile);
             }
-            Settled::Plane { least, enter, exit } => {
+            Settled::Plane { least, enter, exit, .. } => {
                 self.build.record_enters(tile, [least, enter]);
                 let log2 = self.build.resolution().log2();
                 push_plane(&mut self.runs, &mut self.nodes, [enter, exit], tile.log2, log2);

@@ -12,8 +12,8 @@ use crate::light_space::{Resolution, Slices};
 pub(crate) enum Settled {
     /// No caster before the clamp.
     Lit,
-    /// Any depth from `enter` to `exit` is right for every texel; none is first shadowed before `least`.
-    Plane { least: u32, enter: u32, exit: u32 },
+    /// Any depth from `enter` to `exit` is right for every texel; none is first shadowed before `least`. `clamp` as for `Mixed`.
+    Plane { least: u32, enter: u32, exit: u32, clamp: u32 },
     /// An open triangle that covers the tile is what every ray meets first, and nothing is free behind it. As for `Mixed`.
     Face { triangle: u32, clamp: u32 },
     /// Texels differ. Every texel is in shadow at slice `clamp` and need not leave a solid later, unless `clamp` lies
@@ -59,7 +59,7 @@ impl Rules<'_> {
         let least = nearest.first + 1;
         match first_inner_gap(entries, clamp) {
             Gap::None => {}
-            Gap::Plane { enter, exit } => return Settled::Plane { least, enter, exit },
+            Gap::Plane { enter, exit } => return Settled::Plane { least, enter, exit, clamp },
             Gap::Behind { end } => {
                 clamp = clamp.min(end);
                 entries.truncate(entries.partition_point(|e| e.first < clamp));
@@ -74,7 +74,7 @@ impl Rules<'_> {
             Freedom::Static(_) => self.before_second(tile, entries, clamp),
         };
         let plane = free.filter(|[enter, exit]| enter <= exit);
-        plane.map_or(Settled::Mixed { clamp }, |[enter, exit]| Settled::Plane { least, enter, exit })
+        plane.map_or(Settled::Mixed { clamp }, |[enter, exit]| Settled::Plane { least, enter, exit, clamp })
     }
 
     fn resolution(&self) -> Resolution {

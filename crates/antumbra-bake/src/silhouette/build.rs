@@ -139,11 +139,11 @@ impl<'a> Worker<'a> {
                 self.build.record_enters(tile, [u32::MAX; 2]);
                 lit(slices)
             }
-            Settled::Plane { least, enter, exit } => {
+            Settled::Plane { least, enter, exit, clamp } => {
                 self.build.record_enters(tile, [least, enter]);
                 let mut set = Set::constants(enter.min(slices), exit.min(slices));
                 if !self.build.freedom.is_behind_open() {
-                    add_planes(&self.forms, &mut set, tile, entries);
+                    add_planes(&self.forms, &mut set, tile, (entries, clamp));
                 }
                 Sketch::Flat(set)
             }

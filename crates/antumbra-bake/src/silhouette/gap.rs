@@ -19,13 +19,16 @@ const PAST: f64 = 1.0 / 4096.0;
 const ERROR: f64 = 1.0 / 8192.0;
 
 /// Adds planes that are right in a tile whose constants lie in a gap: behind all that lies before the gap, before all that lies
-/// behind it.
-pub(crate) fn add_planes(forms: &Forms<'_>, set: &mut Set, tile: Tile, entries: &[Entry]) {
+/// behind it. What is no longer in the list lies no nearer than `clamp`.
+pub(crate) fn add_planes(forms: &Forms<'_>, set: &mut Set, tile: Tile, (entries, clamp): (&[Entry], u32)) {
     if !forms.slices.are_even() || entries.len() > MOST_LOOKED_AT {
         return;
     }
     let at = tile.corners(forms.slices.resolution());
-    let Some(gap) = Gap::new(forms, entries, set, &at) else { return };
+    let Some(mut gap) = Gap::new(forms, entries, set, &at) else { return };
+    if clamp < forms.slices.resolution().texels() {
+        gap.behind.push([f64::from(clamp); 4]);
+    }
     let [fronts, backs] = [&gap.fronts, &gap.backs].map(|side| &side[..side.len().min(MOST_SIDES)]);
     // Just behind a front that lies behind all others, or just before a back that lies before all others.
     let is_last = |front: &&GapSide| gap.before.iter().all(|(other, _)| is_behind(&front.at, other, PAST));
