@@ -3,10 +3,9 @@
 use std::time::Instant;
 
 use antumbra::format::dag8::NodeCounts;
-use antumbra::format::light::{ENCODING_DAG8, ENCODING_SILHOUETTE};
 use antumbra::format::stat::BakeStats;
 use antumbra::format::write::{Contents, write_paced};
-use antumbra::{DepthDistribution, Interior, LightKind};
+use antumbra::{DepthDistribution, Encoding, Interior, LightKind};
 use antumbra_scene::{Light, Scene};
 
 use crate::casters::{Blend, CasterOptions, Casters, Inverted};
@@ -52,35 +51,6 @@ impl Method {
     }
 }
 
-/// How shadows are stored.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
-    /// The papers' voxel graph: [`antumbra::format::dag8`].
-    #[default]
-    Dag8,
-    /// Edges and planes, which hardly grow with resolution: [`antumbra::format::silhouette`].
-    Silhouette,
-}
-
-impl Encoding {
-    /// As commands and tables call it.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Dag8 => "dag8",
-            Self::Silhouette => "silhouette",
-        }
-    }
-
-    /// As light records have it.
-    pub(crate) fn number(self) -> u32 {
-        match self {
-            Self::Dag8 => ENCODING_DAG8,
-            Self::Silhouette => ENCODING_SILHOUETTE,
-        }
-    }
-}
-
 /// What to bake, and within which limits.
 #[derive(Clone, Copy, Debug)]
 pub struct BakeOptions {
@@ -97,12 +67,14 @@ pub struct BakeOptions {
     pub near_m: Option<f64>,
     /// How slices of spot and point lights are spread: logarithmically, but for comparisons.
     pub local_depth: DepthDistribution,
-    /// Whether to add coarse levels, for prefiltered lookups.
+    /// Whether to add coarse levels, for prefiltered lookups. Silhouettes have them without more ado.
     pub levels: bool,
     /// Whether to add enter depths, for blocker lookups.
     pub enter_depths: bool,
     /// How shadows are stored.
     pub encoding: Encoding,
+    /// Whether to store silhouettes as they are looked up, so that a file can be mapped and uploaded as it is, rather than packed.
+    pub is_unpacked: bool,
     /// How graphs are constructed.
     pub method: Method,
     /// Whether Kämpe et al.'s method reuses the adjacent node in front where that is identical, instead of merging it away
@@ -127,7 +99,8 @@ impl Default for BakeOptions {
             local_depth: DepthDistribution::Logarithmic,
             levels: false,
             enter_depths: false,
-            encoding: Encoding::Dag8,
+            encoding: Encoding::default(),
+            is_unpacked: false,
             method: Method::Columns,
             cull_identical: true,
             plain_code: false,
@@ -261,14 +234,9 @@ pub enum BakeError {
         /// The policy.
         policy: &'static str,
     },
-    /// Something that an encoding has no place for.
-    #[error("the encoding {encoding} does not know {what}; use --encoding dag8")]
-    Encoding {
-        /// The encoding.
-        encoding: &'static str,
-        /// What was asked for.
-        what: &'static str,
-    },
+    /// A method that makes no silhouettes.
+    #[error("--method {0} makes no silhouettes; use --encoding dag8")]
+    Method(&'static str),
     /// Texels so small that no grid has them.
     #[error(
         "texels of {texel_m:e} m over {extent_m:.1} m need more than 1048576 per side; ask for at least {least_m:.3e} m"
@@ -402,13 +370,8 @@ pub(crate) fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeE
     if options.method != Method::Columns && matches!(options.interior, Interior::Thickness(_) | Interior::Static(_)) {
         return Err(BakeError::MethodInterior { method: options.method.name(), policy: options.interior.name() });
     }
-    if options.encoding == Encoding::Silhouette {
-        let encoding = options.encoding.name();
-        let what = if options.levels { Some("coarse levels") } else { None };
-        let what = what.or((options.method != Method::Columns).then_some("other methods than columns"));
-        if let Some(what) = what {
-            return Err(BakeError::Encoding { encoding, what });
-        }
+    if options.encoding == Encoding::Silhouette && options.method != Method::Columns {
+        return Err(BakeError::Method(options.method.name()));
     }
     let is_direction = |d: glam::DVec3| d.is_finite() && d != glam::DVec3::ZERO;
     let has_direction = |l: &Light| l.kind == antumbra_scene::LightKind::Point || is_direction(l.direction_world);
@@ -459,7 +422,8 @@ fn finish(
         }
     }
     let light_roots = roots.len() + trees.len();
-    if options.levels {
+    let has_levels = options.levels && options.encoding == Encoding::Dag8;
+    if has_levels {
         progress.stage("making coarse levels");
         let mut next = 0;
         let of_lights: Vec<(Vec<Id>, u32)> = built
@@ -511,7 +475,8 @@ fn finish(
     let stats = stats(casters);
     let levels_bytes = encoded.added[light_roots..].iter().map(|(_, words)| 4 * words).sum();
     let mut contents = Contents::new(&records, &names, &encoded.pool, stats);
-    contents.levels = options.levels.then_some(&encoded.roots[light_roots..]);
+    contents.is_packed = !options.is_unpacked;
+    contents.levels = has_levels.then_some(&encoded.roots[light_roots..]);
     contents.enters = options.enter_depths.then_some(&enters[..]);
     let bytes = write_paced(&contents, &mut || _ = progress.pause());
     if !progress.pause() {

@@ -28,9 +28,8 @@ pub mod place;
 mod silhouette;
 mod stepped;
 
-pub use bake::{
-    BakeError, BakeOptions, Baked, Encoding, LightReport, Method, Progress, ResolutionRequest, Silent, Stage, bake,
-};
+pub use antumbra::Encoding;
+pub use bake::{BakeError, BakeOptions, Baked, LightReport, Method, Progress, ResolutionRequest, Silent, Stage, bake};
 pub use casters::{Blend, Inverted};
 pub use pause::{Pause, never_pause};
 pub use stepped::{Step, SteppedBaker};

@@ -4,11 +4,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::enter;
-use antumbra::{LightKind, LightRecord};
+use antumbra::{Encoding, LightKind, LightRecord};
 use antumbra_scene::Light;
 use rayon::prelude::*;
 
-use crate::bake::{BakeError, BakeOptions, Encoding, LightReport, Method, Progress, Stage, Stopwatch};
+use crate::bake::{BakeError, BakeOptions, LightReport, Method, Progress, Stage, Stopwatch};
 use crate::baseline;
 use crate::casters::Casters;
 use crate::columns::{Build, BuildError, BuildTriangle, Cutout, EnterGrid, Freedom, build};
@@ -183,7 +183,7 @@ impl Lights<'_> {
         }
         Ok(BuiltLight {
             name: light.name.clone(),
-            record: LightRecord { encoding: self.options.encoding.number(), ..space.record() },
+            record: LightRecord { encoding: self.options.encoding as u32, ..space.record() },
             roots,
             enters: section,
             stages: clock.stages,

@@ -5,7 +5,7 @@
 mod common;
 
 use antumbra::Interior;
-use antumbra_bake::{BakeError, BakeOptions, Method, Silent, bake};
+use antumbra_bake::{BakeError, BakeOptions, Encoding, Method, Silent, bake};
 use antumbra_scene::procedural::{self, Options};
 use antumbra_scene::{Light, Scene};
 use common::{TestMesh as Mesh, bake_for_check, check_all, cuboid, lamp, options, scene, solid, soup, spot, sun};
@@ -34,6 +34,7 @@ fn methods() -> [(Method, bool); 3] {
 
 fn with(method: (Method, bool), interior: Interior, resolution: u32, threads: usize) -> BakeOptions {
     BakeOptions {
+        encoding: Encoding::Dag8,
         method: method.0,
         cull_identical: method.1,
         enter_depths: true,

@@ -5,6 +5,7 @@ mod common;
 
 use std::sync::LazyLock;
 
+use antumbra::format::packed;
 use antumbra::format::silhouette::{self, Kind};
 use antumbra::{FacePoint, Filter, Interior, Kernel, LightShadow, ShadowFile};
 use antumbra_bake::{BakeError, BakeOptions, Encoding, Method, Silent, bake};
@@ -55,14 +56,42 @@ proptest! {
     }
 
     #[test]
-    fn means_count_voxels(x in 0u32..1024, y in 0u32..1024, z in 0u32..1024, level in 0u32..5) {
+    fn means_count_voxels(x in 0u32..1024, y in 0u32..1024, z in 0u32..1024, level in 0u32..6) {
         let light = SUN.light();
-        let corner = [x, y, z].map(|c| c >> level << level);
+        let [x0, y0, z0] = [x, y, z].map(|c| c >> level << level);
         let side = 1u32 << level;
-        let voxels = (0..side.pow(3)).map(|i| [i % side, i / side % side, i / side / side]);
-        let lit = voxels.filter(|v| light.is_lit(0, [corner[0] + v[0], corner[1] + v[1], corner[2] + v[2]])).count();
+        // Every column of small nodes, those in the middles of 8 x 8 parts of large ones.
+        let (columns, apart) = (side.min(8), side / side.min(8));
+        let at = |i: u32| i * apart + apart / 2;
+        let voxels = (0..columns * columns * side).map(|i| [i % columns, i / columns % columns, i / columns / columns]);
+        let lit = voxels.filter(|v| light.is_lit(0, [x0 + at(v[0]), y0 + at(v[1]), z0 + v[2]])).count();
         let mean = light.voxel_mean(0, [x, y, z], level);
-        prop_assert!((mean - lit as f32 / side.pow(3) as f32).abs() < 1e-6);
+        prop_assert_eq!(mean, lit as f32 / (columns * columns * side) as f32);
+    }
+
+    #[test]
+    fn coarse_levels_are_points_in_the_middles(
+        x in 0.0f64..1024.0, y in 0.0f64..1024.0, off in -60.0f64..60.0, half in 0u32..=8, level in 1u32..=4,
+    ) {
+        let light = SUN.light();
+        prop_assert!(light.has_levels() && light.levels() == 4);
+        let filter = Filter::new(2 * half + 1, Kernel::Tent).unwrap();
+        let texel = [x, y].map(|c| c as u32);
+        let turn = (0..1024).position(|z| !light.is_lit(0, [texel[0], texel[1], z])).unwrap_or(1023);
+        let at = FacePoint { face: 0, voxel: DVec3::new(x, y, (turn as f64 + off).clamp(0.0, 1023.0)) };
+        let point = light.unproject(at).unwrap();
+        let scale = f64::from(1u32 << level);
+        let coarse = (light.project(point).voxel / scale).floor();
+        let radius = half as i32;
+        let (mut lit, mut all) = (0, 0);
+        for (dx, dy) in (-radius..=radius).flat_map(|y| (-radius..=radius).map(move |x| (x, y))) {
+            let weight = filter.weight(dx.unsigned_abs()) * filter.weight(dy.unsigned_abs());
+            let middle = (coarse + DVec3::new(f64::from(dx) + 0.5, f64::from(dy) + 0.5, 0.5)) * scale;
+            all += weight;
+            lit += if light.voxel_visibility(FacePoint { face: 0, voxel: middle }) == 1.0 { weight } else { 0 };
+        }
+        let found = light.level_filtered(point, None, filter, f64::from(level));
+        prop_assert_eq!(found, lit as f32 / all as f32, "{} of {:?}", coarse, light.project(point));
     }
 }
 
@@ -132,9 +161,8 @@ fn what_the_encoding_does_not_know_is_refused() {
         let options = BakeOptions { encoding: Encoding::Silhouette, ..options };
         bake(&CITY, &[sun([0.5, -0.6, 0.3])], &options, &Silent).map(|_| ())
     };
-    let is_refused = |result| matches!(result, Err(BakeError::Encoding { encoding: "silhouette", .. }));
-    assert!(is_refused(refused(BakeOptions { levels: true, ..options(Interior::Auto, 64, 1) })));
-    assert!(is_refused(refused(BakeOptions { method: Method::Kampe2015, ..options(Interior::Auto, 64, 1) })));
+    let others = refused(BakeOptions { method: Method::Kampe2015, ..options(Interior::Auto, 64, 1) });
+    assert!(matches!(others, Err(BakeError::Method("kampe2015"))));
     let small = BakeOptions { memory_limit: Some(40 << 20), ..options(Interior::Open, 8192, 1) };
     assert!(matches!(refused(small), Err(BakeError::Memory { .. })));
 }
@@ -174,4 +202,70 @@ fn no_word_of_a_pool_can_do_harm() {
         }
     }
     assert!(refused > 100 && read > 100, "{refused} refused, {read} read");
+}
+
+/// Packing changes no word, whatever lights and policies there are.
+#[test]
+fn packed_pools_unpack_to_the_same_words() {
+    let lamps = [lamp([3.0, 12.0, -4.0], 80.0), spot([10.0, 60.0, 5.0], [0.2, -1.0, 0.1], 40.0, 200.0)];
+    let lights = [&[sun([0.5, -0.6, 0.3]), sun([0.0, -1.0, 0.0])][..], &lamps].concat();
+    for interior in [Interior::Auto, Interior::Open] {
+        let with = |is_unpacked| {
+            let encoding = Encoding::Silhouette;
+            let options = BakeOptions { encoding, is_unpacked, ..options(interior, 512, 0) };
+            let bytes = bake(&CITY, &lights, &options, &Silent).unwrap().bytes;
+            (bytes.len(), ShadowFile::from_bytes(&bytes).unwrap())
+        };
+        let ((packed_bytes, packed), (bytes, plain)) = (with(false), with(true));
+        assert!(packed.pool() == plain.pool());
+        let section = |file: &ShadowFile, kind: &[u8; 4]| file.sections().iter().any(|(other, _)| other == kind);
+        assert!(section(&packed, b"SILP") && section(&plain, b"SILH"));
+        assert!(2 * packed_bytes < bytes, "{packed_bytes} of {bytes} bytes");
+        let roots = plain.lights().flat_map(|light| light.record().face_roots().to_vec());
+        let levels: Vec<u32> =
+            plain.lights().flat_map(|light| vec![light.record().log2_resolution; light.faces()]).collect();
+        let bytes = packed::pack(plain.pool(), roots);
+        assert!(packed::unpack(&bytes, &levels).unwrap() == plain.pool());
+    }
+}
+
+/// Any byte of a packed pool's streams may be anything: it is refused, or gives a pool that is checked as any other.
+#[test]
+fn no_byte_of_a_packed_pool_can_do_harm() {
+    let checked = baked(&sun([0.37, -0.81, 0.45]), Encoding::Silhouette, 128);
+    let (pool, root) = (checked.file.pool(), checked.light().record().roots[0]);
+    let good = packed::pack(pool, [root]);
+    let streams = miniz_oxide::inflate::decompress_to_vec(&good[8..]).unwrap();
+    let packed_again = |header: &[u8], streams: &[u8]| {
+        packed::unpack(&[header, &miniz_oxide::deflate::compress_to_vec(streams, 1)].concat(), &[7])
+    };
+    assert!(packed_again(&good[..8], &streams).unwrap() == pool);
+    let (mut refused, mut other) = (0, 0);
+    let mut count = |result: Result<Vec<u32>, _>| match result {
+        Err(_) => refused += 1,
+        Ok(words) if words == pool => {}
+        Ok(words) => {
+            let check = silhouette::Check::new(&words).and_then(|mut check| check.tree(root, 7, 7).and(check.finish()));
+            other += usize::from(check.is_ok());
+        }
+    };
+    for at in (0..streams.len()).step_by(1 + streams.len() / 3000) {
+        for byte in [0, 1, 7, 128, 255, streams[at] ^ (1 << (at % 8))] {
+            let mut changed = streams.clone();
+            changed[at] = byte;
+            count(packed_again(&good[..8], &changed));
+        }
+        count(packed_again(&good[..8], &streams[..at]));
+    }
+    for at in 0..good.len().min(4000) {
+        let mut changed = good.clone();
+        changed[at] ^= 1 << (at % 8);
+        count(packed::unpack(&changed, &[7]));
+        count(packed::unpack(&good[..at], &[7]));
+    }
+    for words in [0, 8, u32::MAX] {
+        count(packed_again(&[words.to_le_bytes(), pool[0].to_le_bytes()].concat(), &streams));
+        count(packed_again(&[(pool.len() as u32).to_le_bytes(), words.to_le_bytes()].concat(), &streams));
+    }
+    assert!(refused > 1000 && other > 10, "{refused} refused, {other} valid ones of other words");
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use antumbra::Interior;
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeError, BakeOptions, ResolutionRequest, Silent, Step, SteppedBaker, bake};
+use antumbra_bake::{BakeError, BakeOptions, Encoding, ResolutionRequest, Silent, Step, SteppedBaker, bake};
 use antumbra_scene::procedural::{self, Options};
 use antumbra_scene::{Light, Scene};
 
@@ -19,6 +19,7 @@ fn options(resolution: u32) -> BakeOptions {
         resolution: ResolutionRequest::Texels(Resolution::new(resolution).unwrap()),
         levels: true,
         enter_depths: true,
+        encoding: Encoding::Dag8,
         ..BakeOptions::default()
     }
 }

@@ -75,11 +75,6 @@ pub enum RenderError {
         /// The card's limit.
         most: u64,
     },
-    /// The graphics card knows no lookups in the bake's encoding.
-    #[error(
-        "the bake's encoding silhouette is not looked up on the graphics card in this version: bake with --encoding dag8, or draw on the processor"
-    )]
-    EncodingOnGpu,
     /// The scene has nothing to frame.
     #[error("the scene has no triangles, so there is nothing to point a camera at")]
     EmptyScene,

@@ -1,5 +1,6 @@
-// The node encoding: papers' own, `dag8` (Sintorn et al. 2014). What the other modules ask of an encoding is what
-// stands here; another one brings the same functions.
+// The papers' own encoding, `dag8` (Sintorn et al. 2014). The other modules ask of an encoding whether a voxel is lit
+// (antumbra_voxel_is_lit), the weight of a filter's lit taps (antumbra_window_weight), the mean over a node (antumbra_voxel_mean)
+// and the box about a voxel in which all are alike (antumbra_cell).
 //
 //   node reference   0 lit, 1 shadowed, else a word of the pool
 //   header           bits 2i+1..2i: child i is 0 lit, 1 shadowed, 2 mixed; bits 31..16: mean visibility
@@ -89,4 +90,126 @@ fn antumbra_like_slices(node: u32, z: u32) -> vec3<u32> {
     let first = (32u - countLeadingZeros(before) + 1u) / 2u;
     let end = select(z + countTrailingZeros(behind) / 2u, 8u, behind == 0u);
     return vec3(first, min(end, 8u), reference);
+}
+
+// Where descents to a voxel begin: a cell of the top grid (Kämpe et al. 2015, section 4), or the root.
+fn antumbra_start(face: AntumbraFace, voxel: vec3<u32>) -> AntumbraStart {
+    if !ANTUMBRA_TOP_GRID {
+        return AntumbraStart(face.root, face.log2_side);
+    }
+    let level = face.log2_side - face.grid_log2;
+    let cell = voxel >> vec3(level);
+    let index = (((cell.z << face.grid_log2) + cell.y) << face.grid_log2) + cell.x;
+    return AntumbraStart(antumbra_table(face.grid + index), level);
+}
+
+// Whether a voxel of a face is lit; its indices are less than the face's side.
+fn antumbra_voxel_is_lit(face: AntumbraFace, voxel: vec3<u32>) -> bool {
+    let start = antumbra_start(face, voxel);
+    return antumbra_node_is_lit(start.node, start.level, voxel);
+}
+
+// Weight of the lit taps inside the grid.
+fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
+    let first = vec3(vec2<u32>(w.first), w.z);
+    let last = vec2<u32>(w.last);
+    let top = antumbra_start(face, first);
+    // The least level whose one node holds the whole window, not below the slices.
+    let different = (first.x ^ last.x) | (first.y ^ last.y);
+    let joint = max(32u - countLeadingZeros(different), ANTUMBRA_SLICE_LEVEL);
+    let is_shared = joint <= top.level;
+    var below = joint - 1u;
+    var quadrants = array<u32, 4>(0u, 0u, 0u, 0u);
+    if is_shared {
+        let node = antumbra_descend(top.node, top.level, joint, first);
+        if node == ANTUMBRA_LIT {
+            return antumbra_rectangle_weight(w, w.first, w.last);
+        }
+        if node == ANTUMBRA_SHADOWED {
+            return 0u;
+        }
+        if joint == ANTUMBRA_SLICE_LEVEL {
+            return antumbra_mask_weight(w, antumbra_mask(node, w.z), w.first & vec2(-8));
+        }
+        // The window is split by this node: its children in the window's slice are looked up once.
+        let z_bit = ((w.z >> below) & 1u) << 2u;
+        for (var i = 0u; i < 4u; i++) {
+            quadrants[i] = antumbra_child(node, i | z_bit);
+        }
+    }
+    var sum = 0u;
+    for (var y = w.first.y & -8; y <= w.last.y; y += 8) {
+        for (var x = w.first.x & -8; x <= w.last.x; x += 8) {
+            let tile = vec3(u32(x), u32(y), w.z);
+            var start = AntumbraStart(0u, below);
+            if is_shared {
+                let quadrant = antumbra_octant(tile, below) & 3u;
+                start.node = quadrants[quadrant];
+            } else {
+                start = antumbra_start(face, tile);
+            }
+            let node = antumbra_descend(start.node, start.level, ANTUMBRA_SLICE_LEVEL, tile);
+            sum += antumbra_mask_weight(w, antumbra_mask(node, w.z), vec2(x, y));
+        }
+    }
+    return sum;
+}
+
+// Lit texels of the cube of 2^level voxels per side, level 0 to 2, that holds a voxel of a slice node.
+fn antumbra_lit_within(node: u32, voxel: vec3<u32>, level: u32) -> u32 {
+    let side = 1u << level;
+    let corner = voxel & vec3(7u) & vec3(~(side - 1u));
+    // Rows of a cube of 4 or fewer do not cross the words' border.
+    let row = ((1u << side) - 1u) << (8u * (corner.y & 3u) + corner.x);
+    var square = row;
+    for (var i = 1u; i < side; i++) {
+        square |= row << (8u * i);
+    }
+    var lit = 0u;
+    for (var z = corner.z; z < corner.z + side; z++) {
+        let mask = antumbra_mask(node, z);
+        lit += countOneBits(select(mask.x, mask.y, corner.y >= 4u) & square);
+    }
+    return lit;
+}
+
+// Mean visibility of the node of 2^level voxels per side that holds a voxel of a face.
+fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 {
+    var start = antumbra_start(face, voxel);
+    if level > start.level {
+        start = AntumbraStart(face.root, face.log2_side);
+    }
+    let node = antumbra_descend(start.node, start.level, max(level, ANTUMBRA_SLICE_LEVEL), voxel);
+    if level >= ANTUMBRA_SLICE_LEVEL || node <= ANTUMBRA_SHADOWED {
+        return antumbra_node_mean(node);
+    }
+    // Divided by a power of two: exact.
+    return f32(antumbra_lit_within(node, voxel, level)) * exp2(-3.0 * f32(level));
+}
+
+// The largest homogeneous box that the graph has about a voxel of the volume.
+fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> AntumbraCell {
+    let different = voxel ^ (*walk).described;
+    let shared_level = 32u - countLeadingZeros(different.x | different.y | different.z);
+    (*walk).described = voxel;
+    var level = max((*walk).level, shared_level);
+    var node = (*walk).nodes[level];
+    while node > ANTUMBRA_SHADOWED && level > ANTUMBRA_SLICE_LEVEL {
+        level -= 1u;
+        node = antumbra_child(node, antumbra_octant(voxel, level));
+        (*walk).nodes[level] = node;
+    }
+    (*walk).level = level;
+    var corner = (voxel >> vec3(level)) << vec3(level);
+    if node <= ANTUMBRA_SHADOWED {
+        return AntumbraCell(corner, corner + (1u << level), node == ANTUMBRA_LIT);
+    }
+    let slices = antumbra_like_slices(node, voxel.z & 7u);
+    if slices.z <= ANTUMBRA_SHADOWED {
+        let first = vec3(corner.xy, corner.z + slices.x);
+        return AntumbraCell(first, vec3(corner.xy + 8u, corner.z + slices.y), slices.z == ANTUMBRA_LIT);
+    }
+    let word = antumbra_word(slices.z + ((voxel.y >> 2u) & 1u));
+    let is_lit = ((word >> (8u * (voxel.y & 3u) + (voxel.x & 7u))) & 1u) != 0u;
+    return AntumbraCell(voxel, voxel + 1u, is_lit);
 }

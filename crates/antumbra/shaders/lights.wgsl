@@ -47,26 +47,19 @@ struct AntumbraFace {
     // The top grid: where it begins in the tables, log2 of its cells per side.
     grid: u32,
     grid_log2: u32,
+    // log2 of how many of the light's own texels lie between neighbours: on coarse levels without nodes of their own.
+    stride: u32,
 }
 
 fn antumbra_face(light: AntumbraLight, level: u32, face: u32) -> AntumbraFace {
     let at = light.first_face + 4u * (level * light.faces + face);
-    return AntumbraFace(antumbra_table(at), antumbra_table(at + 1u), antumbra_table(at + 2u), antumbra_table(at + 3u));
+    let last = antumbra_table(at + 3u);
+    return AntumbraFace(
+        antumbra_table(at), antumbra_table(at + 1u), antumbra_table(at + 2u), last & 0xffffu, last >> 16u);
 }
 
 // A node and log2 of its voxels per side.
 struct AntumbraStart {
     node: u32,
     level: u32,
-}
-
-// Where descents to a voxel begin: a cell of the top grid (Kämpe et al. 2015, section 4), or the root.
-fn antumbra_start(face: AntumbraFace, voxel: vec3<u32>) -> AntumbraStart {
-    if !ANTUMBRA_TOP_GRID {
-        return AntumbraStart(face.root, face.log2_side);
-    }
-    let level = face.log2_side - face.grid_log2;
-    let cell = voxel >> vec3(level);
-    let index = (((cell.z << face.grid_log2) + cell.y) << face.grid_log2) + cell.x;
-    return AntumbraStart(antumbra_table(face.grid + index), level);
 }

@@ -85,70 +85,33 @@ fn antumbra_tent_rows(w: AntumbraWindow, word: u32, corner: vec2<i32>) -> u32 {
     return sum;
 }
 
-// Weight of the window's lit taps in one tile, given the node that holds it.
-fn antumbra_tile_weight(w: AntumbraWindow, node: u32, corner: vec2<i32>) -> u32 {
-    let mask = antumbra_mask(node, w.z);
+// First and last texel of a window in the tile at a corner.
+fn antumbra_within(w: AntumbraWindow, corner: vec2<i32>) -> vec4<i32> {
+    return vec4(max(w.first, corner), min(w.last, corner + 7));
+}
+
+// The texels of a window in the tile at a corner, as a mask.
+fn antumbra_window_mask(w: AntumbraWindow, corner: vec2<i32>) -> vec2<u32> {
+    let part = antumbra_within(w, corner);
+    let length = vec2<u32>(part.zw + 1 - part.xy);
+    let run = ((vec2(1u) << length) - 1u) << vec2<u32>(part.xy - corner);
+    return vec2(antumbra_spread(run.y), antumbra_spread(run.y >> 4u)) & vec2(run.x * 0x01010101u);
+}
+
+// Weight of the window's lit taps in the tile at a corner, whose mask is given.
+fn antumbra_mask_weight(w: AntumbraWindow, mask: vec2<u32>, corner: vec2<i32>) -> u32 {
     if all(mask == vec2(0u)) {
         return 0u;
     }
-    let first = max(w.first, corner);
-    let last = min(w.last, corner + 7);
     if all(mask == vec2(0xffffffffu)) {
-        return antumbra_rectangle_weight(w, first, last);
+        let part = antumbra_within(w, corner);
+        return antumbra_rectangle_weight(w, part.xy, part.zw);
     }
-    let length = vec2<u32>(last + 1 - first);
-    let run = ((vec2(1u) << length) - 1u) << vec2<u32>(first - corner);
-    let chosen = mask & (vec2(antumbra_spread(run.y), antumbra_spread(run.y >> 4u)) & vec2(run.x * 0x01010101u));
+    let chosen = mask & antumbra_window_mask(w, corner);
     if w.filter_.kernel == ANTUMBRA_BOX {
         return countOneBits(chosen.x) + countOneBits(chosen.y);
     }
     return antumbra_tent_rows(w, chosen.x, corner) + antumbra_tent_rows(w, chosen.y, corner + vec2(0, 4));
-}
-
-// Weight of the lit taps inside the grid.
-fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
-    let first = vec3(vec2<u32>(w.first), w.z);
-    let last = vec2<u32>(w.last);
-    let top = antumbra_start(face, first);
-    // The least level whose one node holds the whole window, not below the slices.
-    let different = (first.x ^ last.x) | (first.y ^ last.y);
-    let joint = max(32u - countLeadingZeros(different), ANTUMBRA_SLICE_LEVEL);
-    let is_shared = joint <= top.level;
-    var below = joint - 1u;
-    var quadrants = array<u32, 4>(0u, 0u, 0u, 0u);
-    if is_shared {
-        let node = antumbra_descend(top.node, top.level, joint, first);
-        if node == ANTUMBRA_LIT {
-            return antumbra_rectangle_weight(w, w.first, w.last);
-        }
-        if node == ANTUMBRA_SHADOWED {
-            return 0u;
-        }
-        if joint == ANTUMBRA_SLICE_LEVEL {
-            return antumbra_tile_weight(w, node, w.first & vec2(-8));
-        }
-        // The window is split by this node: its children in the window's slice are looked up once.
-        let z_bit = ((w.z >> below) & 1u) << 2u;
-        for (var i = 0u; i < 4u; i++) {
-            quadrants[i] = antumbra_child(node, i | z_bit);
-        }
-    }
-    var sum = 0u;
-    for (var y = w.first.y & -8; y <= w.last.y; y += 8) {
-        for (var x = w.first.x & -8; x <= w.last.x; x += 8) {
-            let tile = vec3(u32(x), u32(y), w.z);
-            var start = AntumbraStart(0u, below);
-            if is_shared {
-                let quadrant = antumbra_octant(tile, below) & 3u;
-                start.node = quadrants[quadrant];
-            } else {
-                start = antumbra_start(face, tile);
-            }
-            let node = antumbra_descend(start.node, start.level, ANTUMBRA_SLICE_LEVEL, tile);
-            sum += antumbra_tile_weight(w, node, vec2(x, y));
-        }
-    }
-    return sum;
 }
 
 // The weights of a window about a voxel, which may lie anywhere. Before the first slice no tap is inside.

@@ -1,11 +1,5 @@
 // Point lookups (Sintorn et al. 2014, section 5).
 
-// Whether a voxel of a face is lit; its indices are less than the face's side.
-fn antumbra_voxel_is_lit(face: AntumbraFace, voxel: vec3<u32>) -> bool {
-    let start = antumbra_start(face, voxel);
-    return antumbra_node_is_lit(start.node, start.level, voxel);
-}
-
 // Whether a voxel lies beside a grid of 2^log2 texels per side, or before its first slice: lit.
 fn antumbra_is_outside(log2_side: u32, voxel: vec3<i32>) -> bool {
     return any((voxel.xy >> vec2(log2_side)) != vec2(0)) || voxel.z < 0;

@@ -1,37 +1,5 @@
 // Prefiltered lookups, two ways (Sintorn et al. 2014): a pixel that covers many texels asks for their mean.
 
-// Lit texels of the cube of 2^level voxels per side, level 0 to 2, that holds a voxel of a slice node.
-fn antumbra_lit_within(node: u32, voxel: vec3<u32>, level: u32) -> u32 {
-    let side = 1u << level;
-    let corner = voxel & vec3(7u) & vec3(~(side - 1u));
-    // Rows of a cube of 4 or fewer do not cross the words' border.
-    let row = ((1u << side) - 1u) << (8u * (corner.y & 3u) + corner.x);
-    var square = row;
-    for (var i = 1u; i < side; i++) {
-        square |= row << (8u * i);
-    }
-    var lit = 0u;
-    for (var z = corner.z; z < corner.z + side; z++) {
-        let mask = antumbra_mask(node, z);
-        lit += countOneBits(select(mask.x, mask.y, corner.y >= 4u) & square);
-    }
-    return lit;
-}
-
-// Mean visibility of the node of 2^level voxels per side that holds a voxel of a face.
-fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 {
-    var start = antumbra_start(face, voxel);
-    if level > start.level {
-        start = AntumbraStart(face.root, face.log2_side);
-    }
-    let node = antumbra_descend(start.node, start.level, max(level, ANTUMBRA_SLICE_LEVEL), voxel);
-    if level >= ANTUMBRA_SLICE_LEVEL || node <= ANTUMBRA_SHADOWED {
-        return antumbra_node_mean(node);
-    }
-    // Divided by a power of two: exact.
-    return f32(antumbra_lit_within(node, voxel, level)) * exp2(-3.0 * f32(level));
-}
-
 // The power of two at or below a width of 1 or more, and how far the width lies from it to the next. Narrower widths count
 // as 1.
 fn antumbra_octave(width: f32) -> vec2<f32> {

@@ -27,6 +27,8 @@ struct AntumbraWalk {
     // the least node which holds both: neighbours share most of their way.
     nodes: array<u32, 21>,
     level: u32,
+    // log2 of the voxels per side.
+    log2_side: u32,
     // The voxel that `nodes` lead to.
     described: vec3<u32>,
     // Parameters: here, and where the walk ends.
@@ -42,33 +44,6 @@ struct AntumbraWalk {
 struct AntumbraSpan {
     to: f32,
     is_lit: bool,
-}
-
-// The largest homogeneous box that the graph has about a voxel of the volume.
-fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> AntumbraCell {
-    let different = voxel ^ (*walk).described;
-    let shared_level = 32u - countLeadingZeros(different.x | different.y | different.z);
-    (*walk).described = voxel;
-    var level = max((*walk).level, shared_level);
-    var node = (*walk).nodes[level];
-    while node > ANTUMBRA_SHADOWED && level > ANTUMBRA_SLICE_LEVEL {
-        level -= 1u;
-        node = antumbra_child(node, antumbra_octant(voxel, level));
-        (*walk).nodes[level] = node;
-    }
-    (*walk).level = level;
-    var corner = (voxel >> vec3(level)) << vec3(level);
-    if node <= ANTUMBRA_SHADOWED {
-        return AntumbraCell(corner, corner + (1u << level), node == ANTUMBRA_LIT);
-    }
-    let slices = antumbra_like_slices(node, voxel.z & 7u);
-    if slices.z <= ANTUMBRA_SHADOWED {
-        let first = vec3(corner.xy, corner.z + slices.x);
-        return AntumbraCell(first, vec3(corner.xy + 8u, corner.z + slices.y), slices.z == ANTUMBRA_LIT);
-    }
-    let word = antumbra_word(slices.z + ((voxel.y >> 2u) & 1u));
-    let is_lit = ((word >> (8u * (voxel.y & 3u) + (voxel.x & 7u))) & 1u) != 0u;
-    return AntumbraCell(voxel, voxel + 1u, is_lit);
 }
 
 // The linear function of t that is zero where a line crosses boundary c of an axis (0 and 1: texels, 2: slices): its value
@@ -140,6 +115,7 @@ fn antumbra_walk(light: AntumbraLight, line: AntumbraLine, part: vec2<f32>) -> A
     walk.voxel = antumbra_voxel_at(light, line, part.x);
     walk.last = antumbra_voxel_at(light, line, part.y);
     walk.level = light.log2_resolution;
+    walk.log2_side = light.log2_resolution;
     walk.nodes[light.log2_resolution] = antumbra_face(light, 0u, line.face).root;
     return walk;
 }

@@ -35,7 +35,7 @@ pub mod shaders;
 
 pub use error::{FilterError, FormatError};
 pub use format::file::ShadowFile;
-pub use format::light::{DepthDistribution, Interior, LightKind, LightRecord};
+pub use format::light::{DepthDistribution, Encoding, Interior, LightKind, LightRecord};
 pub use lookup::blocker::Blocker;
 pub use lookup::filter::{Filter, Kernel};
 pub use lookup::light::LightShadow;

@@ -38,12 +38,10 @@ use glam::DVec3;
 
 use crate::format::enter::EnterPyramid;
 use crate::lookup::top_grid::TopGrid;
-use crate::{LightShadow, ShadowFile};
+use crate::{Encoding, LightShadow, ShadowFile};
 
-/// The modules in an order that declares before it uses, for people who paste by hand; [`source`] puts the access to the
-/// buffers before them.
-pub const MODULES: [(&str, &str); 9] = [
-    ("dag8", include_str!("../shaders/dag8.wgsl")),
+/// The modules that all encodings share; [`source`] puts the access to the buffers and [`encoding_module`] before them.
+pub const MODULES: [(&str, &str); 8] = [
     ("lights", include_str!("../shaders/lights.wgsl")),
     ("point", include_str!("../shaders/point.wgsl")),
     ("pcf", include_str!("../shaders/pcf.wgsl")),
@@ -54,9 +52,20 @@ pub const MODULES: [(&str, &str); 9] = [
     ("segment", include_str!("../shaders/segment.wgsl")),
 ];
 
+/// The module that knows an encoding's nodes.
+#[must_use]
+pub fn encoding_module(encoding: Encoding) -> &'static str {
+    match encoding {
+        Encoding::Dag8 => include_str!("../shaders/dag8.wgsl"),
+        Encoding::Silhouette => include_str!("../shaders/silhouette.wgsl"),
+    }
+}
+
 /// How a shader reaches the buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lookup {
+    /// The file's ([`ShadowFile::encoding`]).
+    pub encoding: Encoding,
     /// Bind group of the tables and the pool.
     pub group: u32,
     /// Binding of the tables; the pool's pages follow.
@@ -73,7 +82,15 @@ pub struct Lookup {
 
 impl Default for Lookup {
     fn default() -> Self {
-        Self { group: 0, binding: 0, pages: 1, log2_page_words: 31, top_grid: true, counting: false }
+        Self {
+            encoding: Encoding::default(),
+            group: 0,
+            binding: 0,
+            pages: 1,
+            log2_page_words: 31,
+            top_grid: true,
+            counting: false,
+        }
     }
 }
 
@@ -81,16 +98,16 @@ impl Default for Lookup {
 #[must_use]
 pub fn source(lookup: &Lookup) -> String {
     let mut text = access(lookup);
-    for (_, module) in MODULES {
+    for module in core::iter::once(encoding_module(lookup.encoding)).chain(MODULES.map(|(_, module)| module)) {
         text.push('\n');
         text.push_str(module);
     }
     text
 }
 
-/// The bindings, and the two functions that read them.
+/// The bindings, and the functions that read them.
 fn access(lookup: &Lookup) -> String {
-    let Lookup { group, binding, log2_page_words: log2, .. } = *lookup;
+    let Lookup { group, binding, .. } = *lookup;
     let pages = lookup.pages.max(1);
     let (counter, count) = if lookup.counting {
         ("var<private> antumbra_words_read: u32;\n", "    antumbra_words_read += 1u;\n")
@@ -107,16 +124,32 @@ fn access(lookup: &Lookup) -> String {
         text += &format!("@group({group}) @binding({at}) var<storage, read> antumbra_page_{page}: array<u32>;\n");
     }
     text += &format!("\nfn antumbra_table(i: u32) -> u32 {{\n{count}    return antumbra_tables[i];\n}}\n");
-    text += &format!("\nfn antumbra_word(i: u32) -> u32 {{\n{count}");
-    if pages == 1 {
-        text += "    return antumbra_page_0[i];\n}\n";
+    let of_page = |page: u32, at: &str| format!("antumbra_page_{page}[{at}]");
+    text += &reader(lookup, "antumbra_word(i: u32) -> u32", count, |page| of_page(page, "at"));
+    if lookup.encoding == Encoding::Silhouette {
+        // Four words that begin at a multiple of four lie on one page.
+        let four = |page| {
+            let words = ["at", "at + 1u", "at + 2u", "at + 3u"].map(|at| of_page(page, at));
+            format!("vec4({})", words.join(", "))
+        };
+        text += &reader(lookup, "antumbra_four_words(i: u32) -> vec4<u32>", &count.repeat(4), four);
+    }
+    text
+}
+
+/// A function that reads the pool: `value` says how on a page.
+fn reader(lookup: &Lookup, signature: &str, count: &str, value: impl Fn(u32) -> String) -> String {
+    let log2 = lookup.log2_page_words;
+    let mut text = format!("\nfn {signature} {{\n{count}");
+    if lookup.pages <= 1 {
+        text += &format!("    let at = i;\n    return {};\n}}\n", value(0));
         return text;
     }
     text += &format!("    let at = i & {}u;\n    switch i >> {log2}u {{\n", (1u32 << log2) - 1);
-    for page in 1..pages {
-        text += &format!("        case {page}u: {{ return antumbra_page_{page}[at]; }}\n");
+    for page in 1..lookup.pages {
+        text += &format!("        case {page}u: {{ return {}; }}\n", value(page));
     }
-    text += "        default: { return antumbra_page_0[at]; }\n    }\n}\n";
+    text += &format!("        default: {{ return {}; }}\n    }}\n}}\n", value(0));
     text
 }
 
@@ -147,31 +180,42 @@ struct At {
 }
 
 impl Tables {
-    /// The tables of all lights of a file in the encoding [`dag8`](crate::format::dag8), the one that shaders know: 16 bytes for each face and coarse level, its top grid (128 KiB for a sun, 16 KiB for
-    /// a lamp's face; each once), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
+    /// The tables of all lights of a file: 16 bytes for each face and coarse level, its top grid (128 or 256 KiB for a sun, 16 KiB for a
+    /// lamp's face; each once), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
     /// MB for each face).
     #[must_use]
     pub fn new(file: &ShadowFile, wants_enters: impl Fn(LightShadow<'_>) -> bool) -> Self {
         let mut tables = Self::none();
-        let mut grids = BTreeMap::new();
+        let mut grids_made = BTreeMap::new();
         for light in file.lights() {
             let first_face = tables.words.len() as u32;
             let record = light.record();
-            // The light's own faces, then those of its coarse levels.
-            let own = (&record.roots[..light.faces()], &file.top_grids[light.index]);
-            let coarse = file.level_roots[light.index].iter().zip(&file.level_grids[light.index]);
-            let levels = core::iter::once(own).chain(coarse.map(|(roots, grids)| (&roots[..], grids)));
-            let count = (1 + file.level_roots[light.index].len()) * light.faces();
+            let count = (1 + light.levels() as usize) * light.faces();
             tables.words.resize(tables.words.len() + 4 * count, 0);
-            let mut at = first_face as usize;
-            for (level, (roots, faces)) in (0..).zip(levels) {
-                let log2_side = record.log2_resolution - level;
-                for (root, grid) in roots.iter().zip(faces) {
-                    let row = [*root, log2_side, tables.grid(&mut grids, grid), log2_side - grid.level];
-                    tables.words[at..at + 4].copy_from_slice(&row);
-                    at += 4;
+            let mut faces = Vec::with_capacity(4 * count);
+            // The light's own faces, then those of its coarse levels: roots of their own, or the light's at wider strides.
+            let log2 = record.log2_resolution;
+            for level in 0..=light.levels() {
+                let (roots, grids, stride) = match level {
+                    0 => (&record.roots[..], &file.top_grids[light.index], 0),
+                    _ if light.is_silhouette() => (&record.roots[..], &file.top_grids[light.index], level),
+                    _ => {
+                        let coarser = level as usize - 1;
+                        (&file.level_roots[light.index][coarser][..], &file.level_grids[light.index][coarser], 0)
+                    }
+                };
+                for (root, grid) in roots.iter().zip(grids) {
+                    let log2_cells = log2 - (level - stride) - grid.level;
+                    faces.extend([
+                        *root,
+                        log2 - level,
+                        tables.grid(&mut grids_made, grid),
+                        log2_cells | (stride << 16),
+                    ]);
                 }
             }
+            let at = first_face as usize;
+            tables.words[at..at + faces.len()].copy_from_slice(&faces);
             let enters = match &file.enters {
                 Some(enters) if wants_enters(light) => tables.enters(&enters[light.index].faces),
                 _ => 0,
@@ -280,7 +324,7 @@ impl GpuLight {
             log2_resolution: record.log2_resolution,
             faces: record.faces,
             first_face: at.first_face,
-            levels: light.file.level_roots[light.index].len() as u32,
+            levels: light.levels(),
             enters: at.enters,
             enter_log2: enters.map_or(0, |e| e.faces[0].log2_cells),
             enter_shift: enters.map_or(0, |e| e.shift),

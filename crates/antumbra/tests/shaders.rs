@@ -2,6 +2,7 @@
 
 use std::mem::offset_of;
 
+use antumbra::Encoding;
 use antumbra::shaders::{GpuLight, Lookup, source};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -16,18 +17,25 @@ fn validated(text: &str) -> naga::Module {
 fn every_way_to_bind_them_is_valid() {
     for pages in [1, 2, 7] {
         for (top_grid, counting) in [(true, false), (false, true)] {
-            let lookup = Lookup { group: 2, binding: 3, pages, log2_page_words: 20, top_grid, counting };
-            let module = validated(&source(&lookup));
-            let bindings = module.global_variables.iter().filter_map(|(_, v)| v.binding);
-            let at: Vec<_> = bindings.map(|b| (b.group, b.binding)).collect();
-            assert_eq!(at, (3..4 + pages).map(|binding| (2, binding)).collect::<Vec<_>>());
+            for encoding in [Encoding::Dag8, Encoding::Silhouette] {
+                let lookup = Lookup { encoding, group: 2, binding: 3, pages, log2_page_words: 20, top_grid, counting };
+                let module = validated(&source(&lookup));
+                let bindings = module.global_variables.iter().filter_map(|(_, v)| v.binding);
+                let at: Vec<_> = bindings.map(|b| (b.group, b.binding)).collect();
+                assert_eq!(at, (3..4 + pages).map(|binding| (2, binding)).collect::<Vec<_>>());
+            }
         }
     }
 }
 
 #[test]
 fn names_begin_with_the_prefix() {
-    let module = validated(&source(&Lookup::default()));
+    for encoding in [Encoding::Dag8, Encoding::Silhouette] {
+        check_names(&validated(&source(&Lookup { encoding, ..Lookup::default() })));
+    }
+}
+
+fn check_names(module: &naga::Module) {
     let functions = module.functions.iter().filter_map(|(_, f)| f.name.as_deref());
     let types = module.types.iter().filter_map(|(_, t)| t.name.as_deref());
     let constants = module.constants.iter().filter_map(|(_, c)| c.name.as_deref());

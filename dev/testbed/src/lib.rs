@@ -4,7 +4,7 @@ pub mod query;
 
 use antumbra::{LightShadow, ShadowFile};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, bake};
+use antumbra_bake::{BakeOptions, Encoding, ResolutionRequest, Silent, bake};
 use antumbra_render::gpu::Gpu;
 use antumbra_scene::procedural::{self, Options};
 use antumbra_scene::{Light, LightKind, Scene};
@@ -33,9 +33,9 @@ pub fn procedural(name: &str, scale: f64) -> Scene {
 /// # Panics
 /// When the bake fails.
 #[must_use]
-pub fn baked(scene: &Scene, lights: &[Light], resolution: u32) -> ShadowFile {
+pub fn baked(scene: &Scene, lights: &[Light], resolution: u32, encoding: Encoding) -> ShadowFile {
     let resolution = ResolutionRequest::Texels(Resolution::new(resolution).expect("a power of two"));
-    let options = BakeOptions { resolution, levels: true, enter_depths: true, ..BakeOptions::default() };
+    let options = BakeOptions { resolution, levels: true, enter_depths: true, encoding, ..BakeOptions::default() };
     let baked = bake(scene, lights, &options, &Silent).expect("a bake");
     ShadowFile::from_bytes(&baked.bytes).expect("a valid file")
 }

@@ -95,7 +95,8 @@ impl<'a> Card<'a> {
     #[must_use]
     pub fn paged(gpu: &'a Gpu, file: &ShadowFile, lookup: Lookup, reference: DVec3, most_bytes: u64) -> Self {
         let (log2_page_words, parts) = pages(file.pool(), most_bytes).expect("pages that are large enough");
-        let lookup = Lookup { group: 1, pages: parts.len() as u32, log2_page_words, ..lookup };
+        let lookup =
+            Lookup { encoding: file.encoding(), group: 1, pages: parts.len() as u32, log2_page_words, ..lookup };
         let counted = if lookup.counting { "antumbra_words_read" } else { "0u" };
         let count = format!("fn words_read() -> u32 {{ return {counted}; }}\n");
         let text = [&source(&lookup), &count, include_str!("query.wgsl")].concat();

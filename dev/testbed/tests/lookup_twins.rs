@@ -4,20 +4,23 @@
 use std::sync::LazyLock;
 
 use antumbra::shaders::Lookup;
-use antumbra::{FacePoint, Filter, Kernel, LightShadow, Prefilter, ShadowFile};
+use antumbra::{Encoding, FacePoint, Filter, Kernel, LightShadow, Prefilter, ShadowFile};
 use antumbra_testbed::query::{Answer, Card, Op, Query};
 use antumbra_testbed::{Random, baked, first_lights, gpu, procedural, voxel};
 use glam::{DVec3, IVec3, UVec3};
 
-/// A village with a sun, a few spot lights and point lights, and a city whose pool is large.
-static FILES: LazyLock<[ShadowFile; 3]> = LazyLock::new(|| {
+/// A village with a sun, a few spot lights and point lights, and a city whose pool is large, in both encodings.
+static FILES: LazyLock<Vec<ShadowFile>> = LazyLock::new(|| {
     let village = procedural("village", 0.4);
     let city = procedural("city", 0.2);
-    [
-        baked(&village, &first_lights(&village, [1, 0, 0]), 4096),
-        baked(&village, &first_lights(&village, [0, 2, 2]), 1024),
-        baked(&city, &first_lights(&city, [1, 0, 0]), 16384),
-    ]
+    let files = [Encoding::Dag8, Encoding::Silhouette].map(|encoding| {
+        [
+            baked(&village, &first_lights(&village, [1, 0, 0]), 4096, encoding),
+            baked(&village, &first_lights(&village, [0, 2, 2]), 1024, encoding),
+            baked(&city, &first_lights(&city, [1, 0, 0]), 16384, encoding),
+        ]
+    });
+    files.into_iter().flatten().collect()
 });
 
 /// Calls `each` for every light and face of every file, with what a card makes of it.
@@ -49,7 +52,7 @@ fn points_are_the_same_bit_for_bit() {
                 all += 1;
             }
         });
-        assert!(all >= 60_000 && lit > all / 8 && lit < all - all / 8, "{lit} of {all} lit: too easy");
+        assert!(all >= 120_000 && lit > all / 8 && lit < all - all / 8, "{lit} of {all} lit: too easy");
     }
 }
 
@@ -177,12 +180,13 @@ fn boxes_of_a_walk_hold_what_the_lookups_say() {
 fn pools_in_pages_are_the_same() {
     let gpu = gpu();
     let city = procedural("city", 0.2);
-    let file = baked(&city, &first_lights(&city, [1, 0, 0]), 8192);
-    let bytes = 4 * file.pool().len() as u64;
-    let light = file.lights().next().expect("a sun");
-    let mut random = Random(7);
-    let voxels: Vec<_> = (0..20_000).map(|_| voxel(&mut random, light, 0)).collect();
-    for pages in [2, 5] {
+    // Software drivers take minutes for a shader of many pages and silhouettes, whose pools are small enough to need none.
+    for (encoding, pages) in [(Encoding::Dag8, 2), (Encoding::Dag8, 5), (Encoding::Silhouette, 2)] {
+        let file = baked(&city, &first_lights(&city, [1, 0, 0]), 8192, encoding);
+        let bytes = 4 * file.pool().len() as u64;
+        let light = file.lights().next().expect("a sun");
+        let mut random = Random(7);
+        let voxels: Vec<_> = (0..20_000).map(|_| voxel(&mut random, light, 0)).collect();
         let card = Card::paged(&gpu, &file, Lookup::default(), DVec3::ZERO, bytes / pages + 4);
         assert!(card.pages() >= pages as usize);
         let ask = |v: &UVec3| Query { voxel: v.as_ivec3(), ..card.query(Op::IsLit, light, 0) };

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use antumbra::{Filter, Prefilter, ShadowFile};
+use antumbra::{Encoding, Filter, Prefilter, ShadowFile};
 use antumbra_render::area::{
     Airlight, AreaLight, AreaLighting, AreaShape, AreaTechnique, Emission, Gathering, Interpolation, VoxelResolution,
 };
@@ -26,7 +26,7 @@ impl Stage {
     /// With its first lights of each kind, baked.
     fn new(mut scene: Scene, lights: [usize; 3], resolution: u32) -> Self {
         scene.lights = first_lights(&scene, lights);
-        let file = Arc::new(baked(&scene, &scene.lights, resolution));
+        let file = Arc::new(baked(&scene, &scene.lights, resolution, Encoding::default()));
         Self { gpu: gpu(), scene: Arc::new(scene), file }
     }
 

@@ -61,7 +61,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lookups: Vec<_> = lookups.map(|words| buffer(bytemuck::cast_slice(words))).collect();
 
     // The lookups' text before the shader's own, in a bind group of their own.
-    let lookup = Lookup { group: 1, pages: pool.len() as u32, log2_page_words, ..Lookup::default() };
+    let encoding = file.encoding();
+    let lookup = Lookup { encoding, group: 1, pages: pool.len() as u32, log2_page_words, ..Lookup::default() };
     let source = wgpu::ShaderSource::Wgsl((source(&lookup) + SHADER).into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {

@@ -9,7 +9,7 @@ use antumbra_bake::casters::{Blend, CasterOptions, Casters, Inverted, MaskedTria
 use antumbra_bake::light_space::{LATERAL_BITS, LatticeTriangle, Resolution};
 use antumbra_bake::oracle::{Free, Interval, Oracle, View};
 use antumbra_bake::place::{LightSpace, SpaceRequest, for_each_placed};
-use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, bake};
+use antumbra_bake::{BakeOptions, Encoding, ResolutionRequest, Silent, bake};
 use antumbra_scene::{Light, LightKind, Mesh, Node, Primitive, Scene};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -150,7 +150,7 @@ impl Checked<'_> {
 
 pub fn options(interior: Interior, resolution: u32, threads: usize) -> BakeOptions {
     let resolution = ResolutionRequest::Texels(Resolution::new(resolution).unwrap());
-    BakeOptions { interior, resolution, threads, ..BakeOptions::default() }
+    BakeOptions { interior, resolution, threads, encoding: Encoding::Dag8, ..BakeOptions::default() }
 }
 
 /// Bakes, and puts the casters on the lattice once more for the oracle.

@@ -42,14 +42,14 @@ impl Workshop {
         Ok(path)
     }
 
-    /// Bakes a scene with further arguments of `antumbra bake`.
+    /// Bakes the papers' graph of a scene, with further arguments of `antumbra bake`.
     pub fn bake(&self, scene: &Path, arguments: &[String]) -> Result<Outcome> {
         let child = Command::new(&self.program)
             .arg("bake")
             .arg(scene)
             .arg("-o")
             .arg(self.folder.path().join("bake.antumbra"))
-            .args(["--json", "--quiet"])
+            .args(["--encoding", "dag8", "--json", "--quiet"])
             .args(arguments)
             .stdin(Stdio::null())
             .output()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use antumbra::{Filter, Prefilter, ShadowFile};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, bake};
+use antumbra_bake::{BakeOptions, Encoding, ResolutionRequest, Silent, bake};
 use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
 use antumbra_render::{Cascades, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
 use antumbra_scene::{Camera, Light, LightKind, Scene};
@@ -98,8 +98,12 @@ pub fn run(comparison: Comparison, progress: &Progress) -> Result<Report> {
     let suns: Vec<Light> = scene.lights.iter().filter(|l| l.kind == LightKind::Directional).take(1).cloned().collect();
     ensure!(!suns.is_empty(), "the scene has no directional light to compare shadows of; choose another scene");
     progress.stage("baking the sun");
-    let options =
-        BakeOptions { resolution: ResolutionRequest::Texels(resolution), levels: true, ..BakeOptions::default() };
+    let options = BakeOptions {
+        resolution: ResolutionRequest::Texels(resolution),
+        levels: true,
+        encoding: Encoding::Dag8,
+        ..BakeOptions::default()
+    };
     let baked = bake(&scene, &suns, &options, &Silent)?;
     let file = Arc::new(ShadowFile::from_bytes(&baked.bytes)?);
     progress.stage("preparing the scene");

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use antumbra::{Filter, ShadowFile};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, bake};
+use antumbra_bake::{BakeOptions, Encoding, ResolutionRequest, Silent, bake};
 use antumbra_render::gpu::{Gpu, GpuRenderer, LampLists, Lookup, Setting};
 use antumbra_render::{Renderer, Time};
 use antumbra_scene::{Camera, Light, LightKind, Scene};
@@ -83,7 +83,11 @@ pub fn run(
     let size = flight.size.unwrap_or(if gpu.is_software() { [640, 360] } else { [1920, 1080] });
     progress.stage("baking the lamps");
     let lamps: Vec<Light> = scene.lights.iter().filter(|l| l.kind != LightKind::Directional).cloned().collect();
-    let options = BakeOptions { resolution: ResolutionRequest::Texels(resolution), ..BakeOptions::default() };
+    let options = BakeOptions {
+        resolution: ResolutionRequest::Texels(resolution),
+        encoding: Encoding::Dag8,
+        ..BakeOptions::default()
+    };
     let baked = bake(&scene, &lamps, &options, &Silent)?;
     let file = Arc::new(ShadowFile::from_bytes(&baked.bytes)?);
     progress.stage("preparing the scene");

@@ -58,7 +58,8 @@ pub struct Args {
     /// Spot and point lights ignore casters nearer than this, along a face's axis [default: their range / 1024]
     #[arg(long, value_name = "METRES", value_parser = args::parse_metres)]
     near: Option<f64>,
-    /// Add coarse levels, for prefiltered lookups (query --prefilter levels, render --prefilter levels)
+    /// Add coarse levels to --encoding dag8, for prefiltered lookups (query --prefilter levels, render --prefilter levels);
+    /// silhouettes have them anyway
     #[arg(long)]
     levels: bool,
     /// Add coarse enter depths, for blocker lookups (query --blocker)
@@ -67,10 +68,13 @@ pub struct Args {
     /// How the slices of spot and point lights are spread
     #[arg(long, value_enum, default_value_t = DepthArg::Log)]
     depth: DepthArg,
-    /// How shadows are stored: dag8 (the papers' voxel graph), or silhouette (the casters' edges and planes: several times smaller,
-    /// and hardly larger with resolution; not yet for the graphics card, nor with --levels)
-    #[arg(long, value_name = "NAME", default_value = "dag8")]
-    encoding: String,
+    /// How shadows are stored: silhouette (the casters' edges and planes: many times smaller, and hardly larger with resolution), or
+    /// dag8 (the papers' voxel graph) [default: silhouette, but dag8 with another method than columns]
+    #[arg(long, value_name = "NAME")]
+    encoding: Option<String>,
+    /// Store silhouettes as they are looked up, to be mapped into memory, instead of packed: three to five times the bytes
+    #[arg(long)]
+    unpacked: bool,
     /// Construction method
     #[arg(long, value_enum, default_value_t = MethodArg::Columns)]
     method: MethodArg,
@@ -148,15 +152,19 @@ fn refuse_what_cannot_be(args: &Args) -> Result<()> {
     if args.no_culling && args.method != MethodArg::Kampe2015 {
         bail!("--no-culling is for --method kampe2015 alone; leave it out");
     }
-    encoding(args)?;
+    if encoding(args)? == Encoding::Dag8 && args.unpacked {
+        bail!("--unpacked is for --encoding silhouette alone: dag8 is never packed; leave it out");
+    }
     Ok(())
 }
 
 fn encoding(args: &Args) -> Result<Encoding> {
-    match args.encoding.as_str() {
-        "dag8" => Ok(Encoding::Dag8),
-        "silhouette" => Ok(Encoding::Silhouette),
-        other => bail!("--encoding \"{other}\" is not in this version; use dag8 or silhouette"),
+    match args.encoding.as_deref() {
+        None if args.method != MethodArg::Columns => Ok(Encoding::Dag8),
+        None => Ok(Encoding::default()),
+        Some("dag8") => Ok(Encoding::Dag8),
+        Some("silhouette") => Ok(Encoding::Silhouette),
+        Some(other) => bail!("--encoding \"{other}\" is not in this version; use dag8 or silhouette"),
     }
 }
 
@@ -169,6 +177,7 @@ fn options(args: &Args, held: u64) -> Result<BakeOptions> {
     };
     Ok(BakeOptions {
         encoding: encoding(args)?,
+        is_unpacked: args.unpacked,
         method: match args.method {
             MethodArg::Columns => Method::Columns,
             MethodArg::Kampe2015 => Method::Kampe2015,
@@ -259,7 +268,7 @@ fn summary_table(args: &Args, baked: &Baked, seconds: f64) -> String {
         let mean = sizes.iter().sum::<u64>() / sizes.len() as u64;
         table.row("bytes per light", format!("{} on average, {} at most", bytes(mean), bytes(largest)));
     }
-    if args.levels {
+    if baked.levels_bytes > 0 {
         table.row("coarse levels", bytes(baked.levels_bytes));
     }
     table.row("bytes", format!("{} ({})", bytes(baked.bytes.len() as u64), count(baked.bytes.len() as u64)));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::reach;
 use antumbra::format::{VERSION_MAJOR, VERSION_MINOR};
-use antumbra::{DepthDistribution, LightKind, LightRecord, LightShadow, ShadowFile};
+use antumbra::{DepthDistribution, Encoding, LightKind, LightRecord, LightShadow, ShadowFile};
 use anyhow::Result;
 use serde_json::{Value, json};
 
@@ -74,7 +74,7 @@ fn light_json((light, summary): &Described<'_>) -> Value {
     let record = light.record();
     let mut json = summary.json();
     json["interior"] = describe::interior(light.interior());
-    json["encoding"] = encoding_text(*light).into();
+    json["encoding"] = encoding(*light).into();
     json["faces"] = record.faces.into();
     json["levels"] = light.has_levels().into();
     json["enter_depths"] = light.has_enter_depths().into();
@@ -107,8 +107,8 @@ fn depth_text(record: &LightRecord) -> &'static str {
     }
 }
 
-fn encoding_text(light: LightShadow<'_>) -> &'static str {
-    if light.is_silhouette() { "silhouette" } else { "dag8" }
+fn encoding(light: LightShadow<'_>) -> &'static str {
+    light.record().node_encoding().map_or("unknown", Encoding::name)
 }
 
 fn as_text(args: &Args, file: &ShadowFile, file_bytes: u64, lights: &[Described<'_>]) -> String {
@@ -150,7 +150,7 @@ fn light_text((light, summary): &Described<'_>) -> String {
     let [ox, oy, oz] = record.origin_world;
     let mut table = summary.table();
     table.row("interior", describe::interior_text(light.interior()));
-    table.row("encoding", encoding_text(*light));
+    table.row("encoding", encoding(*light));
     table.row("coarse levels", if light.has_levels() { "yes" } else { "no" });
     table.row("enter depths", if light.has_enter_depths() { "yes" } else { "no" });
     if light.kind() != LightKind::Directional {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use antumbra::{LightKind as BakedKind, LightShadow, Prefilter, ShadowFile};
 use antumbra_render::area::AreaTechnique;
 use antumbra_render::gpu::{Gpu, GpuRenderer, Lookup, Setting};
-use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderError, RenderOptions, Renderer, ShadowSource, Time};
+use antumbra_render::{Cascades, Fog, MapFilter, Picture, RenderOptions, Renderer, ShadowSource, Time};
 use antumbra_scene::{Camera, LightKind, Scene};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
@@ -170,9 +170,6 @@ pub fn run(args: &Args) -> Result<()> {
         ..RenderOptions::default()
     };
     options.check()?;
-    if args.device == Device::Gpu && file.as_ref().is_some_and(|file| file.is_silhouettes()) {
-        return Err(RenderError::EncodingOnGpu.into());
-    }
     let picture = args.run.pool()?.install(|| match args.device {
         Device::Gpu => draw_on_gpu(scene, &camera, options, (shadows, file.clone(), &args.lamp_maps), &progress),
         Device::Auto | Device::Cpu => draw_on_cpu(&scene, &camera, options, (shadows, &args.lamp_maps), &progress),

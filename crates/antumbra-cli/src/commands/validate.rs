@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use antumbra::Encoding;
 use antumbra::format::canonical;
 use anyhow::{Context, Result};
 
@@ -22,7 +23,10 @@ pub fn run(args: &Args) -> Result<()> {
     let shown = args.file.display();
     canonical::check(&file).with_context(|| shown.to_string())?;
     let nodes = file.node_counts();
-    let (leaves, name) = if file.is_silhouettes() { (nodes.cuts, "cuts") } else { (nodes.slices, "slice nodes") };
+    let (leaves, name) = match file.encoding() {
+        Encoding::Silhouette => (nodes.cuts, "cuts"),
+        Encoding::Dag8 => (nodes.slices, "slice nodes"),
+    };
     output::print(&format!(
         "ok: {shown}: {} light(s), {} inner nodes, {} {name}, {} masks, {}\n",
         file.lights().len(),

@@ -24,9 +24,6 @@ pub(crate) struct Baked {
 impl Baked {
     /// A file, of which passes know these lights.
     pub fn new(gpu: &Gpu, file: &ShadowFile, lights: &[LightShadow<'_>], top_grid: bool) -> Result<Self, RenderError> {
-        if file.is_silhouettes() {
-            return Err(RenderError::EncodingOnGpu);
-        }
         let pool = file.pool();
         let limits = gpu.device.limits();
         // Six other buffers in a pass at most.
@@ -35,8 +32,15 @@ impl Baked {
             || RenderError::TooLargeForGpu { what: "the bake", bytes: 4 * pool.len() as u64, most: gpu.most_bytes() };
         let (log2_page_words, parts) =
             pages(pool, gpu.most_bytes()).filter(|(_, parts)| parts.len() <= most_pages).ok_or_else(too_large)?;
-        let lookup =
-            Lookup { group: 1, binding: 1, pages: parts.len() as u32, log2_page_words, top_grid, counting: false };
+        let lookup = Lookup {
+            encoding: file.encoding(),
+            group: 1,
+            binding: 1,
+            pages: parts.len() as u32,
+            log2_page_words,
+            top_grid,
+            counting: false,
+        };
         // Lamps have no size, and so no penumbrae.
         let tables = Tables::new(file, |light| light.kind() == LightKind::Directional);
         gpu.check_size("the bake's tables", 4 * tables.words().len() as u64)?;

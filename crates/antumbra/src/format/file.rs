@@ -8,7 +8,8 @@ use core::str;
 
 use super::dag8::{self, NodeCounts};
 use super::enter::{self, LightEnters};
-use super::light::{ENCODING_DAG8, ENCODING_SILHOUETTE, LightRecord, MIN_LOG2_RESOLUTION};
+use super::light::{Encoding, LightRecord, MIN_LOG2_RESOLUTION};
+use super::packed;
 use super::section::{Entry, REQUIRED, read_table};
 use super::silhouette;
 use super::stat::BakeStats;
@@ -51,28 +52,33 @@ impl ShadowFile {
         let section = |kind: &[u8; 4]| find(bytes, &entries, kind);
         let records = read_records(section(b"LGTS")?.ok_or(FormatError::MissingSection("LGTS"))?)?;
         let names = section(b"NAME")?.ok_or(FormatError::MissingSection("NAME"))?.to_vec();
-        let (encoding, nodes) = match (section(b"DAG8")?, section(b"SILH")?) {
-            (Some(nodes), None) => (ENCODING_DAG8, nodes),
-            (None, Some(nodes)) => (ENCODING_SILHOUETTE, nodes),
-            (Some(_), Some(_)) => return Err(FormatError::Malformed("it holds two node pools")),
-            (None, None) => return Err(FormatError::MissingSection("DAG8")),
-        };
-        let pool = read_pool(nodes)?;
+        let mut pools = POOLS.into_iter().filter_map(|kind| section(kind).transpose().map(|bytes| (kind, bytes)));
+        let (pool_kind, nodes) = pools.next().ok_or(FormatError::MissingSection("DAG8"))?;
+        let nodes = nodes?;
+        if pools.next().is_some() {
+            return Err(FormatError::Malformed("it holds two node pools"));
+        }
+        let encoding = if pool_kind == b"DAG8" { Encoding::Dag8 } else { Encoding::Silhouette };
         let stats =
             section(b"STAT")?.map(|s| BakeStats::read(s).ok_or(FormatError::Malformed("the STAT section's size")));
         for (index, record) in records.iter().enumerate() {
             record.check(index)?;
-            if record.encoding != encoding {
+            if record.node_encoding() != Some(encoding) {
                 return Err(FormatError::Malformed("a light's encoding is not that of the node pool"));
             }
             name_of(&names, record).ok_or(FormatError::Malformed("a light's name lies outside the names"))?;
         }
+        let faces = |r: &LightRecord| core::iter::repeat_n(r.log2_resolution, r.face_roots().len());
+        let pool = match pool_kind {
+            b"SILP" => packed::unpack(nodes, &records.iter().flat_map(faces).collect::<Vec<_>>())?,
+            _ => read_pool(nodes)?,
+        };
         let (counts, level_roots) = match encoding {
-            ENCODING_DAG8 => check_dag8(&pool, &records, section(&LEVELS)?)?,
-            _ => check_silhouettes(&pool, &records, section(&LEVELS)?)?,
+            Encoding::Dag8 => check_dag8(&pool, &records, section(&LEVELS)?)?,
+            Encoding::Silhouette => check_silhouettes(&pool, &records, section(&LEVELS)?)?,
         };
         let enters = section(&ENTERS)?.map(|bytes| enter::read(bytes, &records)).transpose()?;
-        let mut grids = Grids { pool: &pool, is_flat: encoding == ENCODING_SILHOUETTE, made: BTreeMap::new() };
+        let mut grids = Grids { pool: &pool, is_flat: encoding == Encoding::Silhouette, made: BTreeMap::new() };
         Ok(Self {
             counts,
             stats: stats.transpose()?,
@@ -99,10 +105,10 @@ impl ShadowFile {
         self.lights().find(|light| light.name() == name)
     }
 
-    /// Whether any light has coarse levels.
+    /// Whether any light has coarse levels: [`LightShadow::has_levels`].
     #[must_use]
     pub fn has_levels(&self) -> bool {
-        self.level_roots.iter().any(|levels| !levels.is_empty())
+        self.lights().any(LightShadow::has_levels)
     }
 
     /// Whether the file holds enter depths.
@@ -111,10 +117,10 @@ impl ShadowFile {
         self.enters.is_some()
     }
 
-    /// Whether nodes are silhouettes ([`super::silhouette`]), not [`super::dag8`]: all lights of a file have the same encoding.
+    /// How shadows are stored: the same for all lights of a file.
     #[must_use]
-    pub fn is_silhouettes(&self) -> bool {
-        self.records.first().is_some_and(|record| record.encoding == ENCODING_SILHOUETTE)
+    pub fn encoding(&self) -> Encoding {
+        self.records.first().and_then(LightRecord::node_encoding).unwrap_or_default()
     }
 
     /// The shared node pool: upload it as it is. See [`super::dag8`] and [`super::silhouette`].
@@ -146,7 +152,9 @@ impl ShadowFile {
     }
 }
 
-const KNOWN: [&[u8; 4]; 5] = [b"LGTS", b"NAME", b"DAG8", b"SILH", b"STAT"];
+const KNOWN: [&[u8; 4]; 6] = [b"LGTS", b"NAME", b"DAG8", b"SILH", b"SILP", b"STAT"];
+/// Sections that hold the node pool, one of them in each file.
+const POOLS: [&[u8; 4]; 3] = [b"DAG8", b"SILH", b"SILP"];
 
 /// By light, level and face.
 type LevelRoots = Vec<Vec<Vec<u32>>>;

@@ -7,10 +7,28 @@ use bytemuck::{Pod, Zeroable};
 pub const MIN_LOG2_RESOLUTION: u32 = 6;
 /// Greatest log2 of a light's resolution (1,048,576).
 pub const MAX_LOG2_RESOLUTION: u32 = 20;
-/// The papers' node encoding, [`super::dag8`].
-pub const ENCODING_DAG8: u32 = 0;
-/// Our own, [`super::silhouette`].
-pub const ENCODING_SILHOUETTE: u32 = 1;
+
+/// How shadows are stored.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Encoding {
+    /// The papers' voxel graph: [`super::dag8`].
+    Dag8 = 0,
+    /// Edges and planes, which hardly grow with resolution: [`super::silhouette`].
+    #[default]
+    Silhouette = 1,
+}
+
+impl Encoding {
+    /// As commands and tables call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dag8 => "dag8",
+            Self::Silhouette => "silhouette",
+        }
+    }
+}
 
 /// One light; 256 bytes.
 ///
@@ -172,6 +190,16 @@ impl LightRecord {
         })
     }
 
+    /// How its shadows are stored; `None` for a number that this version does not know.
+    #[must_use]
+    pub fn node_encoding(&self) -> Option<Encoding> {
+        match self.encoding {
+            0 => Some(Encoding::Dag8),
+            1 => Some(Encoding::Silhouette),
+            _ => None,
+        }
+    }
+
     /// The policy of the bake; `None` for a number that this version does not know.
     #[must_use]
     pub fn interior_policy(&self) -> Option<Interior> {
@@ -225,7 +253,7 @@ impl LightRecord {
 
     /// Checks everything but the node references and the name.
     pub(crate) fn check(&self, index: usize) -> Result<(), FormatError> {
-        if self.encoding > ENCODING_SILHOUETTE {
+        if self.node_encoding().is_none() {
             return Err(FormatError::UnknownEncoding { light: index, encoding: self.encoding });
         }
         let (Some(kind), Some(depth)) = (self.light_kind(), self.depth_distribution()) else {

@@ -28,7 +28,8 @@
 //! | `LGTS` | yes | light records of 256 bytes: [`light::LightRecord`] |
 //! | `NAME` | yes | UTF-8 text that light records point into |
 //! | `DAG8` | yes | the node pool that all lights share: [`dag8`]; or |
-//! | `SILH` | yes | the same in the other encoding: [`silhouette`] |
+//! | `SILH` | yes | the same in the other encoding: [`silhouette`]; or |
+//! | `SILP` | yes | that, packed: [`packed`] |
 //! | `STAT` | no  | what was baked: [`stat::BakeStats`] |
 //! | `LODS` | no  | roots of coarse levels, for prefiltering: [`LEVELS`] |
 //! | `ENTR` | no  | coarse enter depths, for blockers: [`enter`] |
@@ -38,6 +39,7 @@ pub mod dag8;
 pub mod enter;
 pub mod file;
 pub mod light;
+pub mod packed;
 pub mod reach;
 pub(crate) mod section;
 pub mod silhouette;

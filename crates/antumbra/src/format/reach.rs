@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 use super::dag8::{NodeCounts, SHADOWED, SLICE_LEVEL, reference_count};
 use super::silhouette::Check;
-use crate::ShadowFile;
+use crate::{Encoding, ShadowFile};
 
 /// For each light, in the file's order: nodes that it reaches and no earlier light does, and their 32-bit words.
 /// Linear in the pool's size.
@@ -20,7 +20,7 @@ pub fn by_light(file: &ShadowFile) -> Vec<(NodeCounts, u64)> {
 /// [`by_light`], and what the coarse levels of all lights add to it.
 #[must_use]
 pub fn shares(file: &ShadowFile) -> (Vec<(NodeCounts, u64)>, (NodeCounts, u64)) {
-    if file.is_silhouettes() {
+    if file.encoding() == Encoding::Silhouette {
         return (silhouette_shares(file), Default::default());
     }
     let mut walk = Walk { pool: &file.pool, met: vec![0; file.pool.len().div_ceil(64)], added: Default::default() };

@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::light::{ENCODING_SILHOUETTE, LightRecord};
+use super::light::{Encoding, LightRecord};
+use super::packed;
 use super::section::{ENTRY_BYTES, Entry, HEADER_BYTES, Header, REQUIRED, table_checksum};
 use super::stat::BakeStats;
 use super::{ENTERS, LEVELS, MAGIC, SECTION_ALIGNMENT, VERSION_MAJOR, VERSION_MINOR};
@@ -20,6 +21,9 @@ pub struct Contents<'a> {
     pub names: &'a str,
     /// The shared node pool, words in host order, in the encoding that the lights name: [`super::dag8`] or [`super::silhouette`].
     pub pool: &'a [u32],
+    /// Whether to pack silhouettes ([`super::packed`]), which must then be valid: a third of the bytes, and a file cannot be mapped to be looked
+    /// up in.
+    pub is_packed: bool,
     /// What was baked.
     pub stats: BakeStats,
     /// Roots of coarse levels, if there are any: the contents of [`super::LEVELS`].
@@ -32,7 +36,7 @@ impl<'a> Contents<'a> {
     /// A file without optional lookups.
     #[must_use]
     pub fn new(lights: &'a [LightRecord], names: &'a str, pool: &'a [u32], stats: BakeStats) -> Self {
-        Self { lights, names, pool, stats, levels: None, enters: None }
+        Self { lights, names, pool, is_packed: false, stats, levels: None, enters: None }
     }
 }
 
@@ -46,13 +50,13 @@ pub fn write(contents: &Contents<'_>) -> Vec<u8> {
 #[must_use]
 pub fn write_paced(contents: &Contents<'_>, pause: &mut dyn FnMut()) -> Vec<u8> {
     let lights: Vec<LightRecord> = contents.lights.iter().map(|r| r.to_le()).collect();
-    let pool = words_to_le(contents.pool);
+    let (pool_kind, pool) = pool_section(contents);
     let levels = contents.levels.map(words_to_le);
     let stats = contents.stats.to_le();
     let mut sections: Vec<([u8; 4], u32, &[u8])> = alloc::vec![
         (*b"LGTS", REQUIRED, bytemuck::cast_slice(&lights)),
         (*b"NAME", REQUIRED, contents.names.as_bytes()),
-        (pool_kind(contents.lights), REQUIRED, bytemuck::cast_slice(&pool)),
+        (pool_kind, REQUIRED, &pool),
         (*b"STAT", 0, bytemuck::bytes_of(&stats)),
     ];
     sections.extend(levels.as_ref().map(|roots| (LEVELS, 0, bytemuck::cast_slice(roots))));
@@ -61,8 +65,19 @@ pub fn write_paced(contents: &Contents<'_>, pause: &mut dyn FnMut()) -> Vec<u8> 
 }
 
 /// The section of the node pool.
-fn pool_kind(lights: &[LightRecord]) -> [u8; 4] {
-    if lights.first().is_some_and(|light| light.encoding == ENCODING_SILHOUETTE) { *b"SILH" } else { *b"DAG8" }
+fn pool_section<'a>(contents: &Contents<'a>) -> ([u8; 4], Cow<'a, [u8]>) {
+    let as_it_is = || match words_to_le(contents.pool) {
+        Cow::Borrowed(words) => Cow::Borrowed(bytemuck::cast_slice(words)),
+        Cow::Owned(words) => Cow::Owned(bytemuck::cast_slice(&words).to_vec()),
+    };
+    match contents.lights.first().and_then(LightRecord::node_encoding) {
+        Some(Encoding::Silhouette) if contents.is_packed => {
+            let roots = contents.lights.iter().flat_map(|light| light.face_roots().iter().copied());
+            (*b"SILP", Cow::Owned(packed::pack(contents.pool, roots)))
+        }
+        Some(Encoding::Silhouette) => (*b"SILH", as_it_is()),
+        _ => (*b"DAG8", as_it_is()),
+    }
 }
 
 /// The words in little-endian order: as they are on nearly every machine.

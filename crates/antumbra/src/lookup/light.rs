@@ -4,12 +4,12 @@ use glam::DVec3;
 
 use super::filter::Filter;
 use super::many;
+use super::pcf;
 use super::point::is_lit;
 use super::project::{FacePoint, Place, Projection, VoxelFrame, clamp_to_volume};
+use super::silhouette::Slice;
 use super::top_grid::TopGrid;
-use super::{pcf, silhouette};
-use crate::format::light::ENCODING_SILHOUETTE;
-use crate::{Interior, LightKind, LightRecord, ShadowFile};
+use crate::{Encoding, Interior, LightKind, LightRecord, ShadowFile};
 
 /// A light of a [`ShadowFile`]. Cheap to copy.
 #[derive(Clone, Copy, Debug)]
@@ -142,7 +142,7 @@ impl<'a> LightShadow<'a> {
         let grid = self.top_grid(face);
         if self.is_silhouette() {
             let [x, y, z] = voxel;
-            return z < silhouette::depth(&self.file.pool, grid.node(voxel), grid.level, [x, y], mask + 1);
+            return Slice::new(&self.file.pool, z, 0).is_lit(grid.node(voxel), grid.level, [x, y]);
         }
         is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)
     }
@@ -199,14 +199,15 @@ impl<'a> LightShadow<'a> {
     }
 
     /// Whether its nodes are of the encoding [`silhouette`](crate::format::silhouette).
-    #[must_use]
-    pub fn is_silhouette(self) -> bool {
-        self.record().encoding == ENCODING_SILHOUETTE
+    #[inline(always)]
+    pub(crate) fn is_silhouette(self) -> bool {
+        self.record().encoding == Encoding::Silhouette as u32
     }
 
     /// The nodes of a face.
     pub(crate) fn source(self, face: usize) -> pcf::Source<'a> {
-        pcf::Source { pool: &self.file.pool, grid: self.top_grid(face), is_silhouette: self.is_silhouette() }
+        let silhouette_stride = self.is_silhouette().then_some(0);
+        pcf::Source { pool: &self.file.pool, grid: self.top_grid(face), silhouette_stride }
     }
 
     pub(crate) fn projection(self) -> &'a Projection {

@@ -6,9 +6,10 @@ use glam::DVec3;
 
 use super::filter::{Filter, Kernel};
 use super::point::{child, descend, slice_mask};
-use super::silhouette;
+use super::silhouette::{self, Slice};
 use super::top_grid::TopGrid;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
+use crate::format::silhouette::{Kind, kind};
 
 /// Texels per side of a mask.
 const TILE: i32 = 8;
@@ -31,7 +32,8 @@ struct Window<'a> {
 pub(crate) struct Source<'a> {
     pub pool: &'a [u32],
     pub grid: &'a TopGrid,
-    pub is_silhouette: bool,
+    /// Of silhouettes: log2 of how far the taps lie apart, on a coarse level.
+    pub silhouette_stride: Option<u32>,
 }
 
 /// Weights of a window's taps.
@@ -56,8 +58,8 @@ pub(crate) fn filtered(source: Source<'_>, side: u32, voxel: DVec3, filter: Filt
 pub(crate) fn weights(source: Source<'_>, side: u32, voxel: DVec3, filter: Filter) -> Weights {
     let all = filter.axis_weight() * filter.axis_weight();
     let Some(window) = Window::new(source.pool, side, voxel, filter) else { return Weights { lit: 0, inside: 0, all } };
-    let Source { grid, is_silhouette, .. } = source;
-    let lit = if is_silhouette { window.silhouette_weight(grid) } else { window.lit_weight(grid) };
+    let grid = source.grid;
+    let lit = source.silhouette_stride.map_or_else(|| window.lit_weight(grid), |s| window.silhouette_weight(grid, s));
     Weights { lit, inside: window.rectangle_weight(window.first, window.last), all }
 }
 
@@ -141,15 +143,36 @@ impl<'a> Window<'a> {
         })
     }
 
-    /// Sums over the tiles that the window touches, whose masks edges and planes make.
+    /// The same of silhouettes, whose masks edges and planes make, at texels 2^`stride` apart.
     #[inline]
-    fn silhouette_weight(&self, grid: &TopGrid) -> u32 {
+    fn silhouette_weight(&self, grid: &TopGrid, stride: u32) -> u32 {
+        let slice = Slice::new(self.pool, self.z, stride);
+        let [first, last] = [self.first, self.last].map(|texel| texel.map(|c| c as u32));
+        let [from, to] = [first, last].map(|texel| slice.middle(texel));
+        // The least level whose one tile holds the whole window.
+        let different = (first[0] ^ last[0]) | (first[1] ^ last[1]);
+        let joint = (u32::BITS - different.leading_zeros()).max(SLICE_LEVEL) + stride;
+        let cell = |[x, y]: [u32; 2]| (grid.node([x, y, 0]), grid.level);
+        // Coarse levels' tiles may be wider than cells.
+        let above = if SLICE_LEVEL + stride > grid.level { Some(grid.root) } else { None };
+        let shared = above.or((joint <= grid.level).then(|| cell(from)));
+        let start = shared.map(|(tile, level)| silhouette::descend(self.pool, tile, level, joint, from));
+        match start {
+            Some((leaf, _)) if kind(leaf) != Kind::Inner => match slice.over(leaf, [from, to], 1 << grid.root.1) {
+                Some(true) => return self.rectangle_weight(self.first, self.last),
+                Some(false) => return 0,
+                None => {}
+            },
+            _ => {}
+        }
         let mut sum = 0;
         for y in (self.first[1] & -TILE..=self.last[1]).step_by(TILE as usize) {
             for x in (self.first[0] & -TILE..=self.last[0]).step_by(TILE as usize) {
-                let texel = [x as u32, y as u32];
-                let tile = grid.node([texel[0], texel[1], 0]);
-                sum += self.weight_of(silhouette::slice_mask(self.pool, tile, grid.level, texel, self.z), texel);
+                let corner = [x as u32, y as u32];
+                let (tile, level) = start.unwrap_or_else(|| cell(slice.middle(corner)));
+                let [first, last] = self.within([x, y]);
+                let mask = slice.mask(tile, level, corner, rectangle_mask([x, y], first, last));
+                sum += self.weight_of(mask, corner);
             }
         }
         sum
@@ -161,12 +184,18 @@ impl<'a> Window<'a> {
         self.weight_of(slice_mask(self.pool, node, self.z), corner)
     }
 
+    /// First and last texel of the window in the tile at a corner.
+    #[inline]
+    fn within(&self, corner: [i32; 2]) -> [[i32; 2]; 2] {
+        let first = [self.first[0].max(corner[0]), self.first[1].max(corner[1])];
+        [first, [self.last[0].min(corner[0] + TILE - 1), self.last[1].min(corner[1] + TILE - 1)]]
+    }
+
     /// Weight of the window's taps in one tile whose mask is given.
     #[inline]
     fn weight_of(&self, mask: u64, [x, y]: [u32; 2]) -> u32 {
         let corner = [x as i32 & -TILE, y as i32 & -TILE];
-        let first = [self.first[0].max(corner[0]), self.first[1].max(corner[1])];
-        let last = [self.last[0].min(corner[0] + TILE - 1), self.last[1].min(corner[1] + TILE - 1)];
+        let [first, last] = self.within(corner);
         match mask {
             0 => 0,
             u64::MAX => self.rectangle_weight(first, last),

@@ -6,7 +6,10 @@
 //!   least half of the voxels that it stands for are. Percentage-closer filtering runs on the two levels about the
 //!   footprint's scale, and the two answers are blended.
 //!
-//! A mean is within 1/131070 of the mean of all point lookups in its node. A coarse voxel is within 1/2 of its, and a
+//! Silhouettes need neither headers nor files of levels: a mean is that of 64 columns in the node, a coarse voxel the light's own in its middle, so
+//! that a filter's taps lie so much farther apart.
+//!
+//! Of the encoding [`dag8`], a mean is within 1/131070 of the mean of all point lookups in its node. A coarse voxel is within 1/2 of its, and a
 //! K x K filter's answer within the mean of its voxels' errors.
 
 use alloc::sync::Arc;
@@ -21,7 +24,10 @@ use super::point::{descend, is_lit, slice_mask};
 use super::project::{FacePoint, Place, clamp_to_volume};
 use super::silhouette;
 use super::top_grid::TopGrid;
-use crate::format::dag8::{self, LIT, SHADOWED, SLICE_LEVEL, WHOLE};
+use crate::format::dag8::{self, LIT, SHADOWED, SLICE_LEVEL};
+
+/// log2 of the coarsest level's texels per side.
+const COARSEST_LOG2: u32 = 6;
 
 /// How to prefilter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,10 +39,20 @@ pub enum Prefilter {
 }
 
 impl<'a> LightShadow<'a> {
-    /// Whether the file holds coarse levels for [`Prefilter::Levels`].
+    /// Whether there are coarse levels for [`Prefilter::Levels`]: those that the file holds; of silhouettes always.
     #[must_use]
     pub fn has_levels(self) -> bool {
-        !self.coarse().is_empty()
+        self.levels() > 0
+    }
+
+    /// How many coarse levels there are, down to 64 texels per side.
+    #[must_use]
+    pub fn levels(self) -> u32 {
+        if self.is_silhouette() {
+            self.record().log2_resolution.saturating_sub(COARSEST_LOG2)
+        } else {
+            self.coarse().len() as u32
+        }
     }
 
     /// Visibility over a footprint: a square of `footprint_m` to a side about the point, as wide as the pixel that asks.
@@ -76,24 +92,23 @@ impl<'a> LightShadow<'a> {
 
     /// Mean visibility of the node of 2^`level` voxels per side that holds a voxel of a face.
     ///
-    /// Nodes of the encoding [`dag8`] know theirs; of silhouettes every texel is looked at at which the depth is
-    /// not constant: up to 4^`level`.
+    /// Nodes of the encoding [`dag8`] know theirs. Of silhouettes it is measured along the columns of the node's texels, and in nodes of more
+    /// than 8 x 8 along 64 of them, in the middles of its parts.
     ///
     /// # Panics
     /// When the light has no such face.
     #[must_use]
     pub fn voxel_mean(self, face: usize, voxel: [u32; 3], level: u32) -> f32 {
         let pool = &self.file.pool[..];
-        if self.is_silhouette() {
-            let (root, log2) = (self.record().roots[face], self.record().log2_resolution);
-            return silhouette::lit_share(pool, root, log2, level, voxel) as f32 / WHOLE as f32;
-        }
         let grid = self.top_grid(face);
         let (node, from) = if level <= grid.level {
             (grid.node(voxel), grid.level)
         } else {
             (self.record().roots[face], self.record().log2_resolution)
         };
+        if self.is_silhouette() {
+            return silhouette::mean(pool, node, from, level, voxel, self.record().resolution());
+        }
         match descend(pool, node, from, level.max(SLICE_LEVEL), voxel) {
             LIT => 1.0,
             SHADOWED => 0.0,
@@ -115,7 +130,7 @@ impl<'a> LightShadow<'a> {
         if self.is_outside_cone(point) {
             return 0.0;
         }
-        let coarsest = self.coarse().len() as u32;
+        let coarsest = self.levels();
         let (level, share) = if level >= coarsest { (coarsest, 0.0) } else { (level, share) };
         let widest = level + u32::from(share > 0.0);
         let lifted = |n| point + n * self.level_bias_m(point, n, filter, widest);
@@ -124,12 +139,16 @@ impl<'a> LightShadow<'a> {
         if share > 0.0 { fine * (1.0 - share) + self.filtered_on_level(at, filter, level + 1) * share } else { fine }
     }
 
-    /// Whether a voxel of a coarse level is lit, 1 the finest; its indices count that level's voxels.
+    /// Whether a voxel of a coarse level is lit, 1 the finest; its indices count that level's voxels. Of silhouettes: whether the light's own
+    /// voxel in its middle is.
     ///
     /// # Panics
     /// When the file has no such level or the light no such face.
     #[must_use]
     pub fn is_lit_on_level(self, level: u32, face: usize, voxel: [u32; 3]) -> bool {
+        if self.is_silhouette() {
+            return self.is_lit(face, voxel.map(|c| silhouette::middle(c, level)));
+        }
         let last = (self.record().resolution() >> level) - 1;
         let grid = &self.coarse()[level as usize - 1][face];
         let voxel = voxel.map(|c| c & last);
@@ -161,14 +180,16 @@ impl<'a> LightShadow<'a> {
     /// beside a directional light's grid.
     #[inline]
     fn filtered_on_level(self, at: FacePoint, filter: Filter, level: u32) -> f32 {
+        let stride = self.is_silhouette().then_some(level);
         let grid = |face: usize| match level {
             0 => self.top_grid(face),
+            _ if stride.is_some() => self.top_grid(face),
             _ => &self.coarse()[level as usize - 1][face],
         };
         let side = self.record().resolution() >> level;
         let scale = power_of_two(-(level as i32));
         let voxel = at.voxel * scale;
-        let source = pcf::Source { grid: grid(at.face), ..self.source(at.face) };
+        let source = pcf::Source { grid: grid(at.face), silhouette_stride: stride, pool: &self.file.pool };
         let Weights { lit, inside, all } = pcf::weights(source, side, voxel, filter);
         if inside == all || !self.is_local() || at.voxel.z < 0.0 {
             return (lit + all - inside) as f32 / all as f32;
@@ -179,7 +200,7 @@ impl<'a> LightShadow<'a> {
             let corner = clamp_to_volume(there.voxel * scale, f64::from(side));
             let one_lit = corner.is_none_or(|v| match level {
                 0 => self.is_lit(there.face, v),
-                _ => is_lit(&self.file.pool, grid(there.face).node(v), grid(there.face).level, v),
+                _ => self.is_lit_on_level(level, there.face, v),
             });
             sum = [sum[0] + if one_lit { weight } else { 0 }, sum[1] + weight];
         });

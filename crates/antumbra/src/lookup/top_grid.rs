@@ -25,6 +25,8 @@ pub(crate) struct TopGrid {
     z_shift: u32,
     /// log2 of the voxels per side of a cell's node.
     pub level: u32,
+    /// What it stands for, and log2 of its voxels per side.
+    pub root: (u32, u32),
 }
 
 impl TopGrid {
@@ -38,7 +40,7 @@ impl TopGrid {
             .map(|i| [i % side, i / side % side, i / (side * side)].map(|c| c << level))
             .map(|corner| descend(pool, root, log2_resolution, level, corner))
             .collect();
-        Self { cells, log2_cells, z_shift: level, level }
+        Self { cells, log2_cells, z_shift: level, level, root: (root, log2_resolution) }
     }
 
     /// The same of silhouettes: cells are tiles, whose level that of the grid is at least.
@@ -49,7 +51,7 @@ impl TopGrid {
         let side = 1u32 << log2_cells;
         let corners = (0..side * side).map(|i| [i % side, i / side].map(|c| c << level));
         let cells = corners.map(|corner| silhouette::descend(pool, root, log2_resolution, level, corner).0).collect();
-        Self { cells, log2_cells, z_shift: u32::BITS - 1, level }
+        Self { cells, log2_cells, z_shift: u32::BITS - 1, level, root: (root, log2_resolution) }
     }
 
     /// The references.

@@ -16,6 +16,7 @@ use super::project::line::FaceLine;
 use super::silhouette;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
 use crate::format::light::MAX_LOG2_RESOLUTION;
+use crate::format::silhouette::{Kind, kind};
 
 /// A box of voxels that are all lit or all shadowed.
 #[derive(Clone, Copy, Debug)]
@@ -176,13 +177,22 @@ impl<'a> Descent<'a> {
         if node <= SHADOWED { cube(voxel, level, node == LIT) } else { self.cell_in_slices(node, voxel) }
     }
 
-    /// The box about a voxel before or behind the depth of its tile, or of its texel.
-    fn cell_of_column(&self, voxel: [u32; 3]) -> Cell {
-        let Graph { pool, root, log2, .. } = self.graph;
-        let (level, depth) = silhouette::column(pool, root, log2, [voxel[0], voxel[1]]);
-        let lit = voxel[2] < depth;
-        let mut cell = cube(voxel, level, lit);
-        (cell.first[2], cell.end[2]) = if lit { (0, depth) } else { (depth, 1 << log2) };
+    /// The column about a voxel before or behind the depths of silhouettes.
+    fn cell_of_column(&mut self, voxel: [u32; 3]) -> Cell {
+        let slices = 1 << self.graph.log2;
+        let (dx, dy) = (voxel[0] ^ self.voxel[0], voxel[1] ^ self.voxel[1]);
+        let shared = u32::BITS - (dx | dy).leading_zeros();
+        self.voxel = voxel;
+        let mut level = self.level.max(shared);
+        let mut tile = self.nodes[level as usize];
+        while kind(tile) == Kind::Inner {
+            (tile, level) = silhouette::descend(self.pool, tile, level, level - 1, [voxel[0], voxel[1]]);
+            self.nodes[level as usize] = tile;
+        }
+        self.level = level;
+        let (level, [least, greatest]) = silhouette::column(self.pool, tile, level, voxel, slices);
+        let mut cell = cube(voxel, level, voxel[2] < least);
+        (cell.first[2], cell.end[2]) = if cell.lit { (0, least) } else { (greatest, slices) };
         cell
     }
 

@@ -3,7 +3,7 @@
 
 use antumbra::{DepthDistribution, Filter, Interior, LightShadow};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, Baked, ResolutionRequest, Silent, bake};
+use antumbra_bake::{BakeOptions, Baked, Encoding, ResolutionRequest, Silent, bake};
 use antumbra_render::{Hit, Ray, Tracer};
 use antumbra_scene::AlphaMode;
 use anyhow::{Context, Result};
@@ -112,7 +112,7 @@ fn lamps_baked(
     resolution: Resolution,
 ) -> Result<Baked> {
     let resolution = ResolutionRequest::Texels(resolution);
-    let options = BakeOptions { interior, resolution, local_depth, ..BakeOptions::default() };
+    let options = BakeOptions { interior, resolution, local_depth, encoding: Encoding::Dag8, ..BakeOptions::default() };
     Ok(bake(&subject.scene, &subject.lamps, &options, &Silent)?)
 }
 

@@ -12,7 +12,7 @@ mod undefined;
 
 use antumbra::{Interior, ShadowFile};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, Baked, ResolutionRequest, Silent, bake};
+use antumbra_bake::{BakeOptions, Baked, Encoding, ResolutionRequest, Silent, bake};
 use antumbra_render::Tracer;
 use antumbra_scene::{AlphaMode, Light, LightKind, Scene};
 use anyhow::{Context, Result, bail};
@@ -168,7 +168,7 @@ fn rows_of(ablation: Ablation, subject: &Subject, wish: &Wish) -> Result<Vec<Vec
 /// Bakes a light as `antumbra bake` does.
 fn baked(scene: &Scene, lights: &[Light], interior: Interior, resolution: Resolution) -> Result<Baked> {
     let resolution = ResolutionRequest::Texels(resolution);
-    let options = BakeOptions { interior, resolution, ..BakeOptions::default() };
+    let options = BakeOptions { interior, resolution, encoding: Encoding::Dag8, ..BakeOptions::default() };
     Ok(bake(scene, lights, &options, &Silent)?)
 }
 

@@ -1,0 +1,476 @@
+// Our own encoding, `silhouette`: a quadtree over the shadow map whose leaves are cut by the casters' edges and bounded by their
+// planes. It brings the same functions as `dag8`: antumbra_voxel_is_lit, antumbra_window_weight, antumbra_voxel_mean, antumbra_cell.
+//
+//   form        four words: v(x, y) = a x + b y + c over texels, an edge or a plane; c has 56 bits, then a shift
+//   reference   what it is in the upper three bits, and a depth, a form's number or a node's word in the others
+
+// The depth itself.
+const ANTUMBRA_DEPTH: u32 = 0u;
+// v >> shift.
+const ANTUMBRA_PLANE: u32 = 1u;
+// Two planes: max(front, min(front's deep one, back)).
+const ANTUMBRA_WEDGE: u32 = 2u;
+// Four references, x fastest.
+const ANTUMBRA_INNER: u32 = 3u;
+// An edge, and references to its right and its left.
+const ANTUMBRA_CUT: u32 = 4u;
+// Two edges, and four references: bit i of their order is set to the left of edge i.
+const ANTUMBRA_CROSS: u32 = 5u;
+// Depths by masks, 8 x 8 texels: how many, then each with a depth, and the texels that are lit behind it.
+const ANTUMBRA_MASKS: u32 = 6u;
+// A plane half a slice behind its deepest point within each texel.
+const ANTUMBRA_DEEP: u32 = 7u;
+// log2 of the texels per side of a mask.
+const ANTUMBRA_MASK_LEVEL: u32 = 3u;
+const ANTUMBRA_FIRST_FORM: u32 = 8u;
+
+fn antumbra_kind(reference: u32) -> u32 {
+    return reference >> 29u;
+}
+
+fn antumbra_payload(reference: u32) -> u32 {
+    return reference & 0x1fffffffu;
+}
+
+// Whole numbers of 64 bits, two's complement: low word, high word.
+fn antumbra_plus(p: vec2<u32>, q: vec2<u32>) -> vec2<u32> {
+    let low = p.x + q.x;
+    return vec2(low, p.y + q.y + select(0u, 1u, low < p.x));
+}
+
+// A number of 32 bits, shifted left by less than 32.
+fn antumbra_shifted(number: i32, shift: u32) -> vec2<u32> {
+    let high = number >> select(32u - shift, 31u, shift == 0u);
+    return vec2(bitcast<u32>(number) << shift, bitcast<u32>(high));
+}
+
+fn antumbra_is_negative(number: vec2<u32>) -> bool {
+    return (number.y >> 31u) != 0u;
+}
+
+struct AntumbraForm {
+    a: i32,
+    b: i32,
+    c: vec2<u32>,
+    shift: u32,
+}
+
+fn antumbra_form(number: u32) -> AntumbraForm {
+    let words = antumbra_four_words(ANTUMBRA_FIRST_FORM + 4u * number);
+    // The last word's low 24 bits are c's high ones, with their sign.
+    let high = bitcast<i32>(words.w << 8u) >> 8u;
+    return AntumbraForm(
+        bitcast<i32>(words.x), bitcast<i32>(words.y), vec2(words.z, bitcast<u32>(high)), words.w >> 24u);
+}
+
+// A form's value at a texel.
+fn antumbra_form_at(form: AntumbraForm, texel: vec2<u32>) -> vec2<u32> {
+    // Factors in pieces of 11, 11 and 10 bits: their products with texels below 2^20, and sums of two of them, fit 32 bits.
+    let a = vec2(u32(form.a) & 0x7ffu, (u32(form.a) >> 11u) & 0x7ffu);
+    let b = vec2(u32(form.b) & 0x7ffu, (u32(form.b) >> 11u) & 0x7ffu);
+    let low = a * texel.x + b * texel.y;
+    let high = (form.a >> 22u) * i32(texel.x) + (form.b >> 22u) * i32(texel.y);
+    let sum = antumbra_plus(form.c, vec2(low.x, 0u));
+    return antumbra_plus(antumbra_plus(sum, vec2(low.y << 11u, low.y >> 21u)), antumbra_shifted(high, 22u));
+}
+
+// The plane half a slice behind a plane's deepest point within each texel.
+fn antumbra_deep(form: AntumbraForm) -> AntumbraForm {
+    let a = u32(abs(form.a));
+    let b = u32(abs(form.b));
+    let one = 1u << form.shift;
+    // Half of a sum that may need one more bit.
+    let rise = (a >> 1u) + (b >> 1u) + (a & b & 1u);
+    let c = antumbra_plus(form.c, vec2(rise + (one >> 1u) + (one >> 8u), 0u));
+    return AntumbraForm(form.a, form.b, c, form.shift);
+}
+
+// The edge to whose left are the texels at which a plane lies behind slice z, so that it is lit: not before the next.
+fn antumbra_behind(form: AntumbraForm, z: u32) -> AntumbraForm {
+    let less = antumbra_plus(~antumbra_shifted(i32(z) + 1, form.shift), vec2(1u, 0u));
+    return AntumbraForm(form.a, form.b, antumbra_plus(form.c, less), form.shift);
+}
+
+fn antumbra_is_left(edge: AntumbraForm, texel: vec2<u32>) -> bool {
+    return !antumbra_is_negative(antumbra_form_at(edge, texel));
+}
+
+// Descends from a tile of 2^from texels per side towards a texel, until a tile is no inner node or has 2^to per side.
+fn antumbra_descend(start: u32, from_level: u32, to_level: u32, texel: vec2<u32>) -> AntumbraStart {
+    var tile = start;
+    var level = from_level;
+    while antumbra_kind(tile) == ANTUMBRA_INNER && level > to_level {
+        level -= 1u;
+        let quadrant = ((texel.x >> level) & 1u) | (((texel.y >> level) & 1u) << 1u);
+        tile = antumbra_word(antumbra_payload(tile) + quadrant);
+    }
+    return AntumbraStart(tile, level);
+}
+
+// How many edges cut a leaf.
+fn antumbra_edges(leaf: u32) -> u32 {
+    let kind = antumbra_kind(leaf);
+    return select(0u, kind - ANTUMBRA_CUT + 1u, kind == ANTUMBRA_CUT || kind == ANTUMBRA_CROSS);
+}
+
+// The i-th part of a leaf that so many edges cut.
+fn antumbra_part(leaf: u32, edges: u32, i: u32) -> u32 {
+    if edges == 0u {
+        return leaf;
+    }
+    return antumbra_word(antumbra_payload(leaf) + edges + i);
+}
+
+// The part of a leaf that holds a texel.
+fn antumbra_part_at(leaf: u32, texel: vec2<u32>) -> u32 {
+    let edges = antumbra_edges(leaf);
+    var sides = 0u;
+    for (var i = 0u; i < edges; i++) {
+        sides |= u32(antumbra_is_left(antumbra_form(antumbra_word(antumbra_payload(leaf) + i)), texel)) << i;
+    }
+    return antumbra_part(leaf, edges, sides);
+}
+
+// How many planes a part has: of a wedge the front one, its deep one and the back one.
+fn antumbra_planes(part: u32) -> u32 {
+    return select(1u, 3u, antumbra_kind(part) == ANTUMBRA_WEDGE);
+}
+
+fn antumbra_plane(part: u32, i: u32) -> AntumbraForm {
+    var number = antumbra_payload(part);
+    let is_wedge = antumbra_kind(part) == ANTUMBRA_WEDGE;
+    if is_wedge {
+        number = antumbra_word(number + i / 2u);
+    }
+    let plane = antumbra_form(number);
+    if (is_wedge && i == 1u) || antumbra_kind(part) == ANTUMBRA_DEEP {
+        return antumbra_deep(plane);
+    }
+    return plane;
+}
+
+// The texels of a tile of masks that are lit in slice z.
+fn antumbra_turn(tile: u32, z: u32) -> vec2<u32> {
+    var at = antumbra_payload(tile);
+    let end = at + 1u + 3u * antumbra_word(at);
+    var lit = vec2(0xffffffffu);
+    for (at += 1u; at < end && antumbra_word(at) <= z; at += 3u) {
+        lit = vec2(antumbra_word(at + 1u), antumbra_word(at + 2u));
+    }
+    return lit;
+}
+
+fn antumbra_bit(mask: vec2<u32>, texel: vec2<u32>) -> bool {
+    let word = select(mask.x, mask.y, (texel.y & 4u) != 0u);
+    return ((word >> (8u * (texel.y & 3u) + (texel.x & 7u))) & 1u) != 0u;
+}
+
+// Whether slice z of the face is lit at one of its texels, below a tile of 2^level texels per side.
+fn antumbra_tile_is_lit(start: u32, level: u32, texel: vec2<u32>, z: u32) -> bool {
+    let part = antumbra_part_at(antumbra_descend(start, level, 0u, texel).node, texel);
+    if antumbra_kind(part) == ANTUMBRA_DEPTH {
+        return z < antumbra_payload(part);
+    }
+    if antumbra_kind(part) == ANTUMBRA_MASKS {
+        return antumbra_bit(antumbra_turn(part, z), texel);
+    }
+    // Before the front plane, or before its deep one and the back one.
+    let planes = antumbra_planes(part);
+    for (var i = 0u; i < planes; i++) {
+        let is_before = antumbra_is_left(antumbra_behind(antumbra_plane(part, i), z), texel);
+        if is_before == (i == 0u) {
+            return is_before;
+        }
+    }
+    return planes > 1u;
+}
+
+// The first shadowed slice of a plane's value, 0 to `slices`.
+fn antumbra_clamped(v: vec2<u32>, shift: u32, slices: u32) -> u32 {
+    if antumbra_is_negative(v) {
+        return 0u;
+    }
+    let low = (v.x >> shift) | select(v.y << (32u - shift), 0u, shift == 0u);
+    return select(min(low, slices), slices, (v.y >> shift) != 0u);
+}
+
+// The first shadowed slice at a texel of a leaf, 0 to `slices`.
+fn antumbra_depth(leaf: u32, texel: vec2<u32>, slices: u32) -> u32 {
+    let part = antumbra_part_at(leaf, texel);
+    let at = antumbra_payload(part);
+    if antumbra_kind(part) == ANTUMBRA_DEPTH {
+        return at;
+    }
+    if antumbra_kind(part) == ANTUMBRA_MASKS {
+        let end = at + 1u + 3u * antumbra_word(at);
+        for (var turn = at + 1u; turn < end; turn += 3u) {
+            if !antumbra_bit(vec2(antumbra_word(turn + 1u), antumbra_word(turn + 2u)), texel) {
+                return antumbra_word(turn);
+            }
+        }
+        return slices;
+    }
+    var depths = vec3(0u);
+    let planes = antumbra_planes(part);
+    for (var i = 0u; i < planes; i++) {
+        let plane = antumbra_plane(part, i);
+        depths[i] = antumbra_clamped(antumbra_form_at(plane, texel), plane.shift, slices);
+    }
+    return max(depths.x, min(depths.y, depths.z));
+}
+
+// Where descents to one of the face's own texels begin: a cell of the top grid (after Kämpe et al. 2015, section 4), or the root.
+fn antumbra_start(face: AntumbraFace, texel: vec2<u32>) -> AntumbraStart {
+    let log2_side = face.log2_side + face.stride;
+    if !ANTUMBRA_TOP_GRID {
+        return AntumbraStart(face.root, log2_side);
+    }
+    let level = log2_side - face.grid_log2;
+    let cell = texel >> vec2(level);
+    return AntumbraStart(antumbra_table(face.grid + (cell.y << face.grid_log2) + cell.x), level);
+}
+
+// The light's own texels, or slices, in the middle of a coarse level's.
+fn antumbra_middle(c: vec2<u32>, stride: u32) -> vec2<u32> {
+    return (c << vec2(stride)) + ((1u << stride) >> 1u);
+}
+
+// Whether a voxel of a face is lit; its indices are less than the face's side.
+fn antumbra_voxel_is_lit(face: AntumbraFace, voxel: vec3<u32>) -> bool {
+    let texel = antumbra_middle(voxel.xy, face.stride);
+    let start = antumbra_start(face, texel);
+    return antumbra_tile_is_lit(start.node, start.level, texel, antumbra_middle(voxel.zz, face.stride).x);
+}
+
+// The least and the greatest first shadowed slice over a rectangle of a leaf's texels, both ends in it; wider of masks.
+fn antumbra_bounds(leaf: u32, rectangle: vec4<u32>, slices: u32) -> vec2<u32> {
+    if antumbra_kind(leaf) == ANTUMBRA_MASKS {
+        return vec2(0u, slices);
+    }
+    let edges = antumbra_edges(leaf);
+    // Which sides of an edge the rectangle touches: 1 right, 2 left.
+    var touched = vec2(1u);
+    for (var i = 0u; i < edges; i++) {
+        let edge = antumbra_form(antumbra_word(antumbra_payload(leaf) + i));
+        let ends = antumbra_ends(edge, rectangle);
+        touched[i] = select(2u, 1u, antumbra_is_negative(ends.xy)) | select(2u, 1u, antumbra_is_negative(ends.zw));
+    }
+    var bounds = vec2(slices, 0u);
+    for (var i = 0u; i < 1u << edges; i++) {
+        if any(((touched >> (vec2(i, i >> 1u) & vec2(1u))) & vec2(1u)) == vec2(0u)) {
+            continue;
+        }
+        let part = antumbra_part(leaf, edges, i);
+        var depths = array<vec2<u32>, 3>();
+        if antumbra_kind(part) == ANTUMBRA_DEPTH {
+            depths[0] = vec2(antumbra_payload(part));
+        } else {
+            let planes = antumbra_planes(part);
+            for (var j = 0u; j < planes; j++) {
+                let plane = antumbra_plane(part, j);
+                let ends = antumbra_ends(plane, rectangle);
+                depths[j] = vec2(antumbra_clamped(ends.xy, plane.shift, slices), antumbra_clamped(ends.zw, plane.shift, slices));
+            }
+        }
+        let depth = max(depths[0], min(depths[1], depths[2]));
+        bounds = vec2(min(bounds.x, depth.x), max(bounds.y, depth.y));
+    }
+    return bounds;
+}
+
+// The least and the greatest value of a form over a rectangle.
+fn antumbra_ends(form: AntumbraForm, rectangle: vec4<u32>) -> vec4<u32> {
+    let is_falling = vec2(form.a, form.b) < vec2(0i);
+    let least = antumbra_form_at(form, select(rectangle.xy, rectangle.zw, is_falling));
+    return vec4(least, antumbra_form_at(form, select(rectangle.zw, rectangle.xy, is_falling)));
+}
+
+// 8 x 8 texels of one slice of a level: from a corner that is a multiple of 8, on the light's own texels 2^stride apart.
+struct AntumbraTile {
+    corner: vec2<u32>,
+    stride: u32,
+    // The light's own slice.
+    z: u32,
+}
+
+// The texels of a tile to the left of an edge: bit 8y + x, rows 0 to 3 in the first word.
+fn antumbra_left_mask(edge: AntumbraForm, tile: AntumbraTile) -> vec2<u32> {
+    let first = antumbra_middle(tile.corner, tile.stride);
+    let ends = antumbra_ends(edge, vec4(first, antumbra_middle(tile.corner + 7u, tile.stride)));
+    if antumbra_is_negative(ends.xy) == antumbra_is_negative(ends.zw) {
+        return vec2(select(0xffffffffu, 0u, antumbra_is_negative(ends.xy)));
+    }
+    let across = antumbra_shifted(edge.a, tile.stride);
+    let down = antumbra_shifted(edge.b, tile.stride);
+    var mask = vec2(0u);
+    var row = antumbra_form_at(edge, first);
+    for (var y = 0u; y < 8u; y++) {
+        var value = row;
+        var bits = 0u;
+        for (var x = 0u; x < 8u; x++) {
+            bits |= ((value.y >> 31u) ^ 1u) << x;
+            value = antumbra_plus(value, across);
+        }
+        mask |= select(vec2(bits, 0u), vec2(0u, bits), y >= 4u) << vec2(8u * (y & 3u));
+        row = antumbra_plus(row, down);
+    }
+    return mask;
+}
+
+fn antumbra_part_mask(part: u32, tile: AntumbraTile) -> vec2<u32> {
+    if antumbra_kind(part) == ANTUMBRA_DEPTH {
+        return vec2(select(0u, 0xffffffffu, tile.z < antumbra_payload(part)));
+    }
+    var lit = array<vec2<u32>, 3>();
+    let planes = antumbra_planes(part);
+    for (var i = 0u; i < planes; i++) {
+        lit[i] = antumbra_left_mask(antumbra_behind(antumbra_plane(part, i), tile.z), tile);
+    }
+    return lit[0] | (lit[1] & lit[2]);
+}
+
+// A tile's mask, given a node of 2^level of the light's texels per side that holds it. Of bits that are not wanted nothing is said.
+fn antumbra_tile_mask(start: AntumbraStart, tile: AntumbraTile, wanted: vec2<u32>) -> vec2<u32> {
+    let first = antumbra_middle(tile.corner, tile.stride);
+    let found = antumbra_descend(start.node, start.level, ANTUMBRA_MASK_LEVEL + tile.stride, first);
+    let leaf = found.node;
+    if antumbra_kind(leaf) == ANTUMBRA_MASKS {
+        return antumbra_turn(leaf, tile.z);
+    }
+    if antumbra_kind(leaf) == ANTUMBRA_INNER {
+        // On coarse levels alone: texel by texel.
+        var mask = vec2(0u);
+        for (var i = 0u; i < 64u; i++) {
+            let texel = antumbra_middle(tile.corner + vec2(i & 7u, i >> 3u), tile.stride);
+            let bit = select(vec2(1u, 0u), vec2(0u, 1u), i >= 32u) << vec2(i & 31u);
+            if any((wanted & bit) != vec2(0u)) && antumbra_tile_is_lit(leaf, found.level, texel, tile.z) {
+                mask |= bit;
+            }
+        }
+        return mask;
+    }
+    let edges = antumbra_edges(leaf);
+    var left = array<vec2<u32>, 2>();
+    for (var i = 0u; i < edges; i++) {
+        left[i] = antumbra_left_mask(antumbra_form(antumbra_word(antumbra_payload(leaf) + i)), tile);
+    }
+    var mask = vec2(0u);
+    for (var i = 0u; i < 1u << edges; i++) {
+        let part = select(~left[0], left[0], (i & 1u) != 0u) & select(~left[1], left[1], (i & 2u) != 0u);
+        if any((part & wanted) != vec2(0u)) {
+            mask |= part & antumbra_part_mask(antumbra_part(leaf, edges, i), tile);
+        }
+    }
+    return mask;
+}
+
+// Weight of a window's lit taps inside the grid.
+fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
+    let first = vec2<u32>(w.first);
+    let last = vec2<u32>(w.last);
+    let rectangle = vec4(antumbra_middle(first, face.stride), antumbra_middle(last, face.stride));
+    let z = antumbra_middle(vec2(w.z), face.stride).x;
+    var start = antumbra_start(face, rectangle.xy);
+    if ANTUMBRA_MASK_LEVEL + face.stride > start.level {
+        // A coarse level's tiles may be wider than cells.
+        start = AntumbraStart(face.root, face.log2_side + face.stride);
+    }
+    // The least level whose one tile holds the whole window.
+    let different = (first.x ^ last.x) | (first.y ^ last.y);
+    let joint = max(32u - countLeadingZeros(different), ANTUMBRA_MASK_LEVEL) + face.stride;
+    let is_shared = joint <= start.level;
+    if is_shared {
+        start = antumbra_descend(start.node, start.level, joint, rectangle.xy);
+        if antumbra_kind(start.node) != ANTUMBRA_INNER {
+            let bounds = antumbra_bounds(start.node, rectangle, 1u << (face.log2_side + face.stride));
+            if z < bounds.x {
+                return antumbra_rectangle_weight(w, w.first, w.last);
+            }
+            if z >= bounds.y {
+                return 0u;
+            }
+        }
+    }
+    var sum = 0u;
+    for (var y = w.first.y & -8; y <= w.last.y; y += 8) {
+        for (var x = w.first.x & -8; x <= w.last.x; x += 8) {
+            let corner = vec2(x, y);
+            let tile = AntumbraTile(vec2<u32>(corner), face.stride, z);
+            if !is_shared {
+                start = antumbra_start(face, antumbra_middle(tile.corner, face.stride));
+            }
+            let mask = antumbra_tile_mask(start, tile, antumbra_window_mask(w, corner));
+            sum += antumbra_mask_weight(w, mask, corner);
+        }
+    }
+    return sum;
+}
+
+// log2 of the columns per side by which a cube's mean is measured.
+const ANTUMBRA_COLUMNS_LOG2: u32 = 3u;
+
+// Mean visibility of the cube of 2^level voxels per side that holds a voxel of a face: over the lit length of each of its columns up
+// to 8 x 8, and of wider ones over that of the 64 in the middles of its parts.
+fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 {
+    var start = antumbra_start(face, voxel.xy);
+    if level > start.level {
+        start = AntumbraStart(face.root, face.log2_side);
+    }
+    let slices = 1u << face.log2_side;
+    let tile = antumbra_descend(start.node, start.level, level, voxel.xy);
+    let first = (voxel.z >> level) << level;
+    var log2_columns = min(level, ANTUMBRA_COLUMNS_LOG2);
+    if antumbra_kind(tile.node) == ANTUMBRA_DEPTH {
+        log2_columns = 0u;
+    }
+    let stride = level - log2_columns;
+    let corner = (voxel.xy >> vec2(level)) << vec2(log2_columns);
+    var lit = 0u;
+    for (var i = 0u; i < 1u << (2u * log2_columns); i++) {
+        let column = corner + vec2(i & ((1u << log2_columns) - 1u), i >> log2_columns);
+        let texel = antumbra_middle(column, stride);
+        let leaf = antumbra_descend(tile.node, tile.level, 0u, texel).node;
+        let depth = antumbra_depth(leaf, texel, slices);
+        lit += min(max(depth, first) - first, 1u << level);
+    }
+    // No more bits than single precision holds; divided by a power of two.
+    let bits = 2u * log2_columns + level;
+    let dropped = max(bits, 24u) - 24u;
+    return f32(lit >> dropped) * bitcast<f32>((127u + dropped - bits) << 23u);
+}
+
+// A column about a voxel of the volume that no depth ends, before them or behind them: as wide as the quadtree allows.
+fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> AntumbraCell {
+    let different = voxel ^ (*walk).described;
+    let shared_level = 32u - countLeadingZeros(different.x | different.y);
+    (*walk).described = voxel;
+    var level = max((*walk).level, shared_level);
+    var tile = (*walk).nodes[level];
+    while antumbra_kind(tile) == ANTUMBRA_INNER {
+        level -= 1u;
+        let quadrant = ((voxel.x >> level) & 1u) | (((voxel.y >> level) & 1u) << 1u);
+        tile = antumbra_word(antumbra_payload(tile) + quadrant);
+        (*walk).nodes[level] = tile;
+    }
+    (*walk).level = level;
+    let slices = 1u << (*walk).log2_side;
+    var corner = voxel.xy;
+    var bounds = vec2(0u);
+    while level > 0u {
+        corner = (voxel.xy >> vec2(level)) << vec2(level);
+        bounds = antumbra_bounds(tile, vec4(corner, corner + ((1u << level) - 1u)), slices);
+        if voxel.z < bounds.x || voxel.z >= bounds.y {
+            break;
+        }
+        level -= 1u;
+    }
+    if level == 0u {
+        corner = voxel.xy;
+        bounds = vec2(antumbra_depth(tile, voxel.xy, slices));
+    }
+    let end = corner + (1u << level);
+    if voxel.z < bounds.x {
+        return AntumbraCell(vec3(corner, 0u), vec3(end, bounds.x), true);
+    }
+    return AntumbraCell(vec3(corner, bounds.y), vec3(end, slices), false);
+}
