@@ -56,6 +56,11 @@ impl LeafScratch {
         Self { arch, rows: Vec::new(), transitions: Vec::new() }
     }
 
+    /// What vector instructions to use.
+    pub fn arch(&self) -> Arch {
+        self.arch
+    }
+
     /// Appends the leaf's column of 8 x 8 x 8 blocks. `entries` are sorted by their first slices.
     pub(in crate::columns) fn push_column(
         &mut self,

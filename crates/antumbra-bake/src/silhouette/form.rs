@@ -67,6 +67,11 @@ pub(crate) fn edge_form([a, b]: EdgeKey, resolution: Resolution) -> Form {
     Form { a: normal[0] as i32, b: normal[1] as i32, c: at_first.div_euclid(steps), shift: 0 }
 }
 
+/// The power of two at or below a number; of very small ones less.
+fn exponent(number: f64) -> i32 {
+    (number.to_bits() >> 52) as i32 - 1023
+}
+
 /// A triangle's plane in slices, where those are even and the plane is not too steep.
 pub(crate) fn plane_form(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
     if !slices.are_even() || triangle.is_edge_on() {
@@ -76,14 +81,14 @@ pub(crate) fn plane_form(triangle: &BuildTriangle, side: Side, slices: &Slices) 
     let steps = resolution.texel_steps();
     let slope = triangle.slope.map(|s| s * steps as f64);
     let steepest = slope[0].abs().max(slope[1].abs());
-    let shift = if steepest > 0.0 { SLOPE_BITS - 1 - libm::ilogb(steepest) } else { MOST_SHIFT };
+    let shift = if steepest > 0.0 { SLOPE_BITS - 1 - exponent(steepest) } else { MOST_SHIFT };
     let shift = shift.min(MOST_SHIFT);
     if shift < HAIR_BITS as i32 {
         return None;
     }
     let shift = shift as u32;
     let one = (1i64 << shift) as f64;
-    let [a, b] = slope.map(|s| libm::rint(s * one) as i64);
+    let [a, b] = slope.map(|s| (s * one).round_ties_even() as i64);
     let half = steps / 2;
     let [dx, dy] = [i64::from(triangle.x[0]) - half, i64::from(triangle.y[0]) - half];
     let at_corner = (i64::from(triangle.z[0]) << shift) >> resolution.slice_shift();

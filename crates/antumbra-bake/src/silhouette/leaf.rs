@@ -2,9 +2,11 @@
 
 use antumbra::format::silhouette::Form;
 
-use super::accept::Forms;
+use super::accept::{Forms, corners};
 use super::form::{DEEP, EdgeKey, PlaneKey, Side};
 use super::sketch::{Cut, Set, Sketch, Turn};
+use pulp::{Simd, WithSimd};
+
 use crate::columns::{Entry, Lanes, Leaf, LeafScratch, Transition};
 
 /// Edges and planes that are tried.
@@ -35,27 +37,51 @@ pub(crate) fn sketch(
     let [mut enter, mut exit] = scratch.intervals(leaf, entries, clamp);
     enter.iter_mut().chain(&mut exit).for_each(|depth| *depth = (*depth).min(slices));
     let entries = &entries[..entries.len().min(MOST_TRIANGLES)];
-    let planes = planes(&enter, &exit, leaf, entries, forms);
-    let parts = Parts { enter: &enter, exit: &exit, planes };
-    if let Some(set) = parts.set(u64::MAX) {
-        return Sketch::Flat(set);
-    }
-    let edges = edges(leaf, entries, forms);
-    parts.cut(&edges).unwrap_or_else(|| {
+    scratch.arch().dispatch(Regions { enter: &enter, exit: &exit, leaf, entries, forms }).unwrap_or_else(|| {
         let turn = |t: &Transition| Turn { low: t.first, high: t.last, lit: t.lit };
         Sketch::Masks(scratch.transitions(&enter, &exit, slices).iter().map(turn).collect())
     })
 }
 
+/// Finds a leaf's regions.
+struct Regions<'a> {
+    enter: &'a Lanes,
+    exit: &'a Lanes,
+    leaf: Leaf<'a>,
+    entries: &'a [Entry],
+    forms: &'a Forms<'a>,
+}
+
+impl WithSimd for Regions<'_> {
+    /// `None` if there are too many.
+    type Output = Option<Sketch>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { enter, exit, leaf, entries, forms } = self;
+        let parts = Parts { enter, exit, planes: planes(enter, exit, leaf, entries, forms) };
+        if let Some(set) = parts.set(u64::MAX) {
+            return Some(Sketch::Flat(set));
+        }
+        parts.cut(&edges(leaf, entries, forms))
+    }
+}
+
 impl Parts<'_> {
     /// The depths that suit all texels of a mask.
+    #[inline(always)]
     fn set(&self, mask: u64) -> Option<Set> {
-        let (mut low, mut high) = (0, u32::MAX);
-        for i in 0..64 {
-            let on = ((mask >> i & 1) as u32).wrapping_neg();
-            low = low.max(self.enter[i] & on);
-            high = high.min(self.exit[i] | !on);
+        let (mut lows, mut highs) = ([0; 8], [u32::MAX; 8]);
+        for y in 0..8 {
+            let row = (mask >> (8 * y)) as u32 & 0xff;
+            for x in 0..8 {
+                let on = (row >> x & 1).wrapping_neg();
+                lows[x] = lows[x].max(self.enter[8 * y + x] & on);
+                highs[x] = highs[x].min(self.exit[8 * y + x] | !on);
+            }
         }
+        let low = lows.into_iter().fold(0, u32::max);
+        let high = highs.into_iter().fold(u32::MAX, u32::min);
         let mut set = Set::constants(low, high);
         let fits = self.planes.iter().filter(|(_, right)| right & mask == mask);
         fits.for_each(|(plane, _)| set.push(*plane));
@@ -63,6 +89,7 @@ impl Parts<'_> {
     }
 
     /// One edge that parts the leaf, or two.
+    #[inline(always)]
     fn cut(&self, edges: &[(EdgeKey, u64)]) -> Option<Sketch> {
         let cut = |edges: Vec<EdgeKey>, regions| Some(Sketch::Cut(Box::new(Cut { edges, regions })));
         for (edge, left) in edges {
@@ -101,6 +128,7 @@ struct Planes<'a> {
 }
 
 /// Planes of the leaf's triangles that are right somewhere, and where.
+#[inline(always)]
 fn planes(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(PlaneKey, u64)> {
     let slices = forms.slices.resolution().texels();
     let mut planes = Planes { enter, exit, found: Vec::new(), fronts: Vec::new(), backs: Vec::new() };
@@ -131,14 +159,16 @@ fn planes(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms:
 }
 
 impl Planes<'_> {
+    #[inline(always)]
     fn push(&mut self, plane: PlaneKey, depths: &Lanes) {
         let is_right = |i: usize| self.enter[i] <= depths[i] && depths[i] <= self.exit[i];
-        let right = (0..64).fold(0, |right, i| right | (u64::from(is_right(i)) << i));
+        let right = mask_of(&std::array::from_fn(|i| u8::from(is_right(i))));
         if right != 0 {
             self.found.push((plane, right));
         }
     }
 
+    #[inline(always)]
     fn push_wedges(&mut self) {
         let (fronts, backs) = (std::mem::take(&mut self.fronts), std::mem::take(&mut self.backs));
         for (front, [own, deep]) in fronts.iter().take(MOST_SIDES) {
@@ -154,21 +184,29 @@ impl Planes<'_> {
 }
 
 /// A form's values at a leaf's texels.
-fn values(form: Form, leaf: Leaf<'_>) -> impl Iterator<Item = i64> {
+#[inline(always)]
+fn values(form: &Form, leaf: Leaf<'_>) -> [i64; 64] {
     let corner = form.at([leaf.tile.x, leaf.tile.y]);
     let [a, b] = [i64::from(form.a), i64::from(form.b)];
-    (0..64i64).map(move |i| corner + a * (i & 7) + b * (i >> 3))
+    std::array::from_fn(|i| corner + a * (i & 7) as i64 + b * (i >> 3) as i64)
 }
 
+#[inline(always)]
 fn depths_at(form: &Form, leaf: Leaf<'_>, slices: u32) -> Lanes {
-    let mut depths = [0; 64];
-    for (depth, value) in depths.iter_mut().zip(values(*form, leaf)) {
-        *depth = (value >> form.shift).clamp(0, i64::from(slices)) as u32;
-    }
-    depths
+    values(form, leaf).map(|value| (value >> form.shift).clamp(0, i64::from(slices)) as u32)
+}
+
+/// The mask whose bits are given as bytes, 0 or 1.
+#[inline(always)]
+fn mask_of(bits: &[u8; 64]) -> u64 {
+    let (rows, _) = bits.as_chunks::<8>();
+    // Byte i of a row comes to bit 56 + i: no two meet.
+    let bits = |row: &[u8; 8]| u64::from_le_bytes(*row).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+    rows.iter().rev().fold(0, |mask, row| (mask << 8) | bits(row))
 }
 
 /// The edges that cross the leaf, and the texels to the left of each: silhouettes first, then others, from front to back.
+#[inline(always)]
 fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(EdgeKey, u64)> {
     let mut found: Vec<(EdgeKey, u64, i32)> = Vec::new();
     for entry in entries {
@@ -202,6 +240,12 @@ fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(EdgeKey, 
 }
 
 /// The texels to the left of an edge.
+#[inline(always)]
 fn left_of(edge: Form, leaf: Leaf<'_>) -> u64 {
-    values(edge, leaf).zip(0..).fold(0, |left, (value, i)| left | (u64::from(value >= 0) << i))
+    let at_corners = corners(leaf.tile).map(|texel| edge.at(texel) >= 0);
+    match at_corners {
+        [true, true, true, true] => u64::MAX,
+        [false, false, false, false] => 0,
+        _ => mask_of(&values(&edge, leaf).map(|value| u8::from(value >= 0))),
+    }
 }

@@ -1,8 +1,6 @@
 //! Sketches: what is known of a tile before depths are chosen. A leaf's regions each have a set of depths, any of which is right
 //! at all of the region's texels; four leaves become one while two edges are enough and each region's sets still meet.
 
-use antumbra::format::silhouette::Form;
-
 use super::accept::{Forms, corners};
 use super::form::{EdgeKey, PlaneKey};
 use crate::columns::Tile;
@@ -11,6 +9,8 @@ use crate::columns::Tile;
 const MOST_PLANES: usize = 6;
 /// Planes that are tried.
 const MOST_TRIED: usize = 12;
+/// Most parts of a region: four of each of four tiles.
+const MOST_PARTS: usize = 16;
 
 /// Depths (first shadowed slices, N for none) that are right for every texel of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,51 +108,52 @@ impl Sketch {
 }
 
 fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Sketch> {
-    let mut edges: Vec<EdgeKey> = Vec::new();
+    // Two, and one too many.
+    let mut found = [EdgeKey::default(); 3];
+    let mut count = 0;
     for child in children {
         for edge in child.edges()? {
-            if !edges.contains(edge) {
-                edges.push(*edge);
-            }
-        }
-        if edges.len() > 2 {
-            return None;
-        }
-    }
-    edges.sort_unstable();
-    let edge_forms: Vec<Form> = edges.iter().map(|edge| forms.edge(*edge)).collect();
-    let mut parts: [Vec<(Tile, &Set)>; 4] = Default::default();
-    for (i, child) in (0..).zip(children) {
-        let tile = parent.child(i);
-        let own = child.edges()?;
-        // Which sides of the parent's edges the tile lies on: bit 0 to the right, bit 1 to the left.
-        let sides = edge_forms.iter().map(|form| {
-            let at = corners(tile).map(|texel| form.at(texel) >= 0);
-            u32::from(at.contains(&false)) | (u32::from(at.contains(&true)) << 1)
-        });
-        let sides: Vec<u32> = sides.collect();
-        for number in 0..1 << own.len() {
-            let Some(set) = child.region(number) else { continue };
-            for (region, part) in parts.iter_mut().enumerate().take(1 << edges.len()) {
-                let is_part = edges.iter().zip(&sides).enumerate().all(|(bit, (edge, sides))| {
-                    let side = region >> bit & 1;
-                    match own.iter().position(|e| e == edge) {
-                        Some(at) => number >> at & 1 == side,
-                        None => sides >> side & 1 != 0,
-                    }
-                });
-                if is_part {
-                    part.push((tile, set));
+            if !found[..count].contains(edge) {
+                found[count] = *edge;
+                count += 1;
+                if count > 2 {
+                    return None;
                 }
             }
         }
     }
-    let mut regions = [None; 4];
-    for (region, parts) in regions.iter_mut().zip(&parts) {
-        if !parts.is_empty() {
-            *region = Some(met(parts, forms)?);
+    let edges = &mut found[..count];
+    edges.sort_unstable();
+    // Which sides of the parent's edges each tile lies on: bit 0 to the right, bit 1 to the left.
+    let mut sides = [[0; 2]; 4];
+    for (bit, edge) in edges.iter().enumerate() {
+        let form = forms.edge(*edge);
+        for (i, sides) in (0..).zip(&mut sides) {
+            let at = corners(parent.child(i)).map(|texel| form.at(texel) >= 0);
+            sides[bit] = u32::from(at.contains(&false)) | (u32::from(at.contains(&true)) << 1);
         }
     }
+    let mut regions = [None; 4];
+    for (number, region) in regions.iter_mut().enumerate().take(1 << count) {
+        let mut parts = Vec::with_capacity(MOST_PARTS);
+        for (i, child) in (0..).zip(children) {
+            let own = child.edges()?;
+            for part in 0..1 << own.len() {
+                let is_part = edges.iter().enumerate().all(|(bit, edge)| {
+                    let side = number >> bit & 1;
+                    match own.iter().position(|e| e == edge) {
+                        Some(at) => part >> at & 1 == side,
+                        None => sides[i as usize][bit] >> side & 1 != 0,
+                    }
+                });
+                parts.extend(child.region(part).filter(|_| is_part).map(|set| (parent.child(i), set)));
+            }
+        }
+        if !parts.is_empty() {
+            *region = Some(met(&parts, forms)?);
+        }
+    }
+    let edges = edges.to_vec();
     Some(if edges.is_empty() { Sketch::Flat(regions[0]?) } else { Sketch::Cut(Box::new(Cut { edges, regions })) })
 }
 
@@ -161,7 +162,7 @@ fn met(parts: &[(Tile, &Set)], forms: &Forms<'_>) -> Option<Set> {
     let low = parts.iter().map(|(_, set)| set.low).max()?;
     let high = parts.iter().map(|(_, set)| set.high).min()?;
     let mut all = Set::constants(low, high);
-    let mut tried: Vec<PlaneKey> = Vec::new();
+    let mut tried: Vec<PlaneKey> = Vec::with_capacity(MOST_TRIED);
     for plane in parts.iter().flat_map(|(_, set)| set.planes()) {
         if tried.len() < MOST_TRIED && !tried.contains(&plane) {
             tried.push(plane);
