@@ -46,8 +46,8 @@ const NEW_DEPTHS: usize = 4;
 const FAR_FORMS: usize = 5;
 const TURNS: usize = 6;
 const MASKS: usize = 7;
-/// As much as is worth its time: the next levels take twice as long for a hundredth.
-const DEFLATE_LEVEL: u8 = 7;
+/// The next levels take two and three times as long for a hundredth each.
+const DEFLATE_LEVEL: u8 = 5;
 /// Most that a list remembers.
 const RECENT: usize = 254;
 /// Something new.

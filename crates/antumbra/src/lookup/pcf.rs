@@ -9,7 +9,6 @@ use super::point::{child, descend, slice_mask};
 use super::silhouette::{self, Slice};
 use super::top_grid::TopGrid;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
-use crate::format::silhouette::{Kind, kind};
 
 /// Texels per side of a mask.
 const TILE: i32 = 8;
@@ -143,39 +142,56 @@ impl<'a> Window<'a> {
         })
     }
 
-    /// The same of silhouettes, whose masks edges and planes make, at texels 2^`stride` apart.
+    /// The same of silhouettes, at texels 2^`stride` apart.
     #[inline]
     fn silhouette_weight(&self, grid: &TopGrid, stride: u32) -> u32 {
         let slice = Slice::new(self.pool, self.z, stride);
         let [first, last] = [self.first, self.last].map(|texel| texel.map(|c| c as u32));
-        let [from, to] = [first, last].map(|texel| slice.middle(texel));
-        // The least level whose one tile holds the whole window.
-        let different = (first[0] ^ last[0]) | (first[1] ^ last[1]);
-        let joint = (u32::BITS - different.leading_zeros()).max(SLICE_LEVEL) + stride;
-        let cell = |[x, y]: [u32; 2]| (grid.node([x, y, 0]), grid.level);
-        // Coarse levels' tiles may be wider than cells.
-        let above = if SLICE_LEVEL + stride > grid.level { Some(grid.root) } else { None };
-        let shared = above.or((joint <= grid.level).then(|| cell(from)));
-        let start = shared.map(|(tile, level)| silhouette::descend(self.pool, tile, level, joint, from));
-        match start {
-            Some((leaf, _)) if kind(leaf) != Kind::Inner => match slice.over(leaf, [from, to], 1 << grid.root.1) {
-                Some(true) => return self.rectangle_weight(self.first, self.last),
-                Some(false) => return 0,
-                None => {}
-            },
-            _ => {}
-        }
-        let mut sum = 0;
-        for y in (self.first[1] & -TILE..=self.last[1]).step_by(TILE as usize) {
-            for x in (self.first[0] & -TILE..=self.last[0]).step_by(TILE as usize) {
-                let corner = [x as u32, y as u32];
-                let (tile, level) = start.unwrap_or_else(|| cell(slice.middle(corner)));
-                let [first, last] = self.within([x, y]);
-                let mask = slice.mask(tile, level, corner, rectangle_mask([x, y], first, last));
-                sum += self.weight_of(mask, corner);
+        let mut window = silhouette::Window::new(first);
+        // Cells of the top grid, or all of a coarse level whose texels are wider than they.
+        let (cell, level) =
+            if stride < grid.level { (grid.level - stride, grid.level) } else { (grid.root.1 - stride, grid.root.1) };
+        for y in first[1] >> cell..=last[1] >> cell {
+            for x in first[0] >> cell..=last[0] >> cell {
+                let corner = [x, y].map(|c| c << cell);
+                let from = [0, 1].map(|axis| first[axis].max(corner[axis]));
+                let to = [0, 1].map(|axis| last[axis].min(corner[axis] + (1 << cell) - 1));
+                let tile = match slice.middle(corner) {
+                    _ if level == grid.root.1 => grid.root.0,
+                    [x, y] => grid.node([x, y, 0]),
+                };
+                slice.add_lit(&mut window, tile, level, [from, to]);
             }
         }
-        sum
+        self.weight_of_rows(&window.rows)
+    }
+
+    /// Weight of the window's taps that are set, row by row from its first on.
+    #[inline]
+    fn weight_of_rows(&self, rows: &[u32; silhouette::Window::SIDE]) -> u32 {
+        let [width, height] = [0, 1].map(|axis| (self.last[axis] - self.first[axis]) as usize + 1);
+        let rows = &rows[..height];
+        let all = (1u32 << width) - 1;
+        if rows.iter().all(|row| *row == all) {
+            return self.rectangle_weight(self.first, self.last);
+        }
+        if rows.iter().all(|row| *row == 0) {
+            return 0;
+        }
+        if self.filter.kernel() == Kernel::Box {
+            return rows.iter().map(|row| row.count_ones()).sum();
+        }
+        let weight =
+            |axis: usize, i: usize| self.filter.weight(self.center[axis].abs_diff(self.first[axis] + i as i32));
+        // Each column's weights: eight to a word, 81 of each at most.
+        let mut columns = [0u64; silhouette::Window::SIDE.div_ceil(TILE as usize)];
+        for (y, row) in rows.iter().enumerate() {
+            for (i, sums) in columns.iter_mut().enumerate().take(width.div_ceil(TILE as usize)) {
+                *sums += spread_to_ones(u64::from(row >> (TILE as usize * i)) & 0xff) * u64::from(weight(1, y));
+            }
+        }
+        let sum_of = |x: usize| (columns[x / TILE as usize] >> (TILE as usize * (x % TILE as usize))) as u32 & 0xff;
+        (0..width).map(|x| sum_of(x) * weight(0, x)).sum()
     }
 
     /// Weight of the window's lit taps in one tile, given the node that holds it.
@@ -250,8 +266,13 @@ fn rectangle_mask(corner: [i32; 2], first: [i32; 2], last: [i32; 2]) -> u64 {
 /// Byte i is 0xff where bit i is set, else 0.
 #[inline]
 fn spread_to_bytes(bits: u64) -> u64 {
-    // Copy the bits to every byte, keep bit i in byte i, turn each non-zero byte to 0xff.
+    spread_to_ones(bits) * 0xff
+}
+
+/// Byte i is 1 where bit i is set, else 0.
+#[inline]
+fn spread_to_ones(bits: u64) -> u64 {
+    // Copy the bits to every byte, keep bit i in byte i, turn each non-zero byte to 1.
     let copies = bits.wrapping_mul(0x0101_0101_0101_0101) & 0x8040_2010_0804_0201;
-    let ones = ((copies + 0x7f7f_7f7f_7f7f_7f7f) | copies) >> 7 & 0x0101_0101_0101_0101;
-    ones * 0xff
+    ((copies + 0x7f7f_7f7f_7f7f_7f7f) | copies) >> 7 & 0x0101_0101_0101_0101
 }

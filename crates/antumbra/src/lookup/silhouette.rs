@@ -70,11 +70,6 @@ fn depth_by_masks(pool: &[u32], tile: u32, [x, y]: [u32; 2], slices: u32) -> u32
     turns(pool, tile).find(|(_, lit)| lit >> bit & 1 == 0).map_or(slices, |(depth, _)| depth)
 }
 
-/// The texels of a mask in the quadrants to the left of none of two edges, of the first, of the second, of both.
-fn quadrants(a: u64, b: u64) -> [u64; 4] {
-    [!a & !b, a & !b, !a & b, a & b]
-}
-
 /// One slice of a face, at all of its texels or at every 2^`stride`-th along both axes: the middles of a coarse level's.
 #[derive(Clone, Copy)]
 pub(crate) struct Slice<'a> {
@@ -119,49 +114,74 @@ impl<'a> Slice<'a> {
         }
     }
 
-    /// Whether a leaf is all lit or all shadowed over a rectangle of the face's texels, both ends in it. `None`: neither, or not
-    /// known without a closer look.
+    /// Adds the lit ones of a window's texels below a tile of 2^`level` of the face's texels per side: those of a rectangle of the level's
+    /// texels, both ends in it.
     #[inline]
-    pub fn over(&self, leaf: u32, rectangle: [[u32; 2]; 2], slices: u32) -> Option<bool> {
-        let [least, greatest] = bounds(self.pool, leaf, rectangle, slices);
-        if self.z < least {
-            Some(true)
-        } else if self.z >= greatest {
-            Some(false)
+    pub fn add_lit(&self, window: &mut Window, tile: u32, level: u32, rectangle: [[u32; 2]; 2]) {
+        let [first, last] = rectangle;
+        // The least level whose one tile holds the whole rectangle.
+        let joint = u32::BITS - ((first[0] ^ last[0]) | (first[1] ^ last[1])).leading_zeros() + self.stride;
+        let (tile, level) = descend(self.pool, tile, level, joint, self.middle(first));
+        if kind(tile) != Kind::Inner {
+            window.add(rectangle, self.lit_of_leaf(tile, rectangle));
+        } else if joint == self.stride {
+            // One of the level's texels.
+            let is_lit = self.is_lit(tile, level, self.middle(first));
+            window.add(rectangle, if is_lit { Lit::All } else { Lit::None });
         } else {
-            None
+            self.add_lit_of_children(window, tile, level - 1, rectangle);
         }
     }
 
-    /// 8 x 8 of the level's texels, from a corner that is a multiple of 8, below a tile of 2^`level` of the face's texels per side:
-    /// bit 8*y + x is 1 where lit. Of bits that are not wanted nothing is said.
+    fn add_lit_of_children(&self, window: &mut Window, tile: u32, below: u32, [first, last]: [[u32; 2]; 2]) {
+        let bits = below - self.stride;
+        // Halves that the rectangle touches, and where the second begins.
+        let halves = [0, 1].map(|axis| (first[axis] >> bits & 1)..=(last[axis] >> bits & 1));
+        let middles = last.map(|c| c >> bits << bits);
+        for y in halves[1].clone() {
+            for x in halves[0].clone() {
+                let of = |axis: usize, half: u32| {
+                    let is_split = halves[axis].start() != halves[axis].end();
+                    match (is_split, half) {
+                        (false, _) => [first[axis], last[axis]],
+                        (true, 0) => [first[axis], middles[axis] - 1],
+                        (true, _) => [middles[axis], last[axis]],
+                    }
+                };
+                let ([x0, x1], [y0, y1]) = (of(0, x), of(1, y));
+                let child = self.pool[payload(tile) + (x + 2 * y) as usize];
+                self.add_lit(window, child, below, [[x0, y0], [x1, y1]]);
+            }
+        }
+    }
+
     #[inline]
-    pub fn mask(&self, tile: u32, level: u32, corner: [u32; 2], wanted: u64) -> u64 {
-        let (tile, level) = descend(self.pool, tile, level, 3 + self.stride, self.middle(corner));
-        let at = payload(tile);
-        let left = |i: usize| self.not_negative(Form::read(self.pool, self.pool[at + i] as usize), corner);
-        let value = |i: usize| self.value_mask(self.pool[at + i], corner);
-        match kind(tile) {
-            Kind::Inner => self.gathered(tile, level, corner, wanted),
-            Kind::Cut => {
-                let left = left(0);
-                (if left == u64::MAX { 0 } else { value(1) & !left }) | (if left == 0 { 0 } else { value(2) & left })
-            }
+    fn lit_of_leaf(&self, leaf: u32, rectangle: [[u32; 2]; 2]) -> Lit {
+        let at = payload(leaf);
+        let left = |i: usize| self.not_negative(Form::read(self.pool, self.pool[at + i] as usize), rectangle);
+        let value = |i: usize| self.lit_of_value(self.pool[at + i], rectangle);
+        match kind(leaf) {
+            Kind::Cut => left(0).choose(|| value(1), || value(2)),
             Kind::Cross => {
-                let parts = quadrants(left(0), left(1));
-                let of = |(i, part): (usize, u64)| if part & wanted == 0 { 0 } else { value(2 + i) & part };
-                parts.into_iter().enumerate().map(of).fold(0, |all, part| all | part)
+                let (a, b) = (left(0), left(1));
+                b.choose(|| a.choose(|| value(2), || value(3)), || a.choose(|| value(4), || value(5)))
             }
-            Kind::Masks => self.turn(tile),
-            _ => self.value_mask(tile, corner),
+            Kind::Masks => self.lit_of_mask(self.turn(leaf), rectangle),
+            _ => self.lit_of_value(leaf, rectangle),
         }
     }
 
-    /// A mask texel by texel.
-    fn gathered(&self, tile: u32, level: u32, [x, y]: [u32; 2], wanted: u64) -> u64 {
-        let texel = |bit: u32| self.middle([x + (bit & 7), y + (bit >> 3)]);
-        let bits = (0..64).filter(|bit| wanted >> bit & 1 != 0);
-        bits.map(|bit| u64::from(self.is_lit(tile, level, texel(bit))) << bit).fold(0, |all, bit| all | bit)
+    /// A rectangle's texels in a tile whose mask is given.
+    #[inline]
+    fn lit_of_mask(&self, mask: u64, [first, last]: [[u32; 2]; 2]) -> Lit {
+        let mut rows = [0; Window::SIDE];
+        for (y, row) in (first[1]..=last[1]).zip(&mut rows) {
+            for x in first[0]..=last[0] {
+                let [column, line] = self.middle([x, y]).map(|c| c & 7);
+                *row |= ((mask >> (8 * line + column) & 1) as u32) << (x - first[0]);
+            }
+        }
+        Lit::Rows(rows)
     }
 
     /// A tile's texels that are lit in this slice.
@@ -171,18 +191,18 @@ impl<'a> Slice<'a> {
     }
 
     /// Where a depth lies behind this slice.
-    #[inline(always)]
-    fn value_mask(&self, value: u32, corner: [u32; 2]) -> u64 {
-        let behind = |form: Form| self.not_negative(self.behind(form), corner);
+    #[inline]
+    fn lit_of_value(&self, value: u32, rectangle: [[u32; 2]; 2]) -> Lit {
+        let behind = |form: Form| self.not_negative(self.behind(form), rectangle);
         let at = payload(value);
         match kind(value) {
-            Kind::Depth if self.z < at as u32 => u64::MAX,
-            Kind::Depth => 0,
+            Kind::Depth if self.z < at as u32 => Lit::All,
+            Kind::Depth => Lit::None,
             Kind::Plane => behind(Form::read(self.pool, at)),
             Kind::Deep => behind(Form::read(self.pool, at).deep()),
             _ => {
                 let [front, back] = planes(self.pool, value);
-                behind(front) | (behind(front.deep()) & behind(back))
+                behind(front).choose(|| behind(back).choose(|| Lit::None, || behind(front.deep())), || Lit::All)
             }
         }
     }
@@ -193,46 +213,115 @@ impl<'a> Slice<'a> {
         Form { c: plane.c - (i64::from(self.z + 1) << plane.shift), ..plane }
     }
 
-    /// The texels of an 8 x 8 tile at which a form is not negative.
+    /// The texels of a rectangle at which a form is not negative.
     #[inline]
-    fn not_negative(&self, form: Form, corner: [u32; 2]) -> u64 {
-        let first = form.at(self.middle(corner));
+    fn not_negative(&self, form: Form, [first, last]: [[u32; 2]; 2]) -> Lit {
+        let corner = form.at(self.middle(first));
         let [a, b] = [form.a, form.b].map(|rise| i64::from(rise) << self.stride);
-        let least = first + 7 * (a.min(0) + b.min(0));
-        let greatest = first + 7 * (a.max(0) + b.max(0));
+        let steps = [0, 1].map(|axis| last[axis] - first[axis]);
+        let rises = [a * i64::from(steps[0]), b * i64::from(steps[1])];
+        let least = corner + rises[0].min(0) + rises[1].min(0);
+        let greatest = corner + rises[0].max(0) + rises[1].max(0);
         if least >= 0 {
-            return u64::MAX;
+            return Lit::All;
         }
         if greatest < 0 {
-            return 0;
+            return Lit::None;
         }
-        // Along a row the texels that count lie together at one end, and there is one whose value is of another sign than the first's:
-        // all lie within the sum of rises.
-        let counts = if greatest - least <= i64::from(i32::MAX) {
-            counts_of_rows(first as i32, a as i32, b as i32)
+        // One value is negative and one is not, so that all lie within the sum of rises: most often in 32 bits.
+        let size = steps.map(|step| step as usize + 1);
+        let negative = if greatest - least <= i64::from(i32::MAX) {
+            negative_in_rows([corner, a, b].map(|c| c as i32), i32::wrapping_add, size)
         } else {
-            counts_of_rows(first, a, b)
+            negative_in_rows([corner, a, b], i64::wrapping_add, size)
         };
-        let row = |count: u8| if a < 0 { (0xff >> (8 - count)) as u8 } else { (0xff00 >> count) as u8 };
-        u64::from_le_bytes(counts.map(row))
+        // Along a row those that are negative lie together at one end.
+        let all = (1u32 << size[0]) - 1;
+        Lit::Rows(negative.map(|count| if a < 0 { all >> count } else { all << count & all }))
     }
 }
 
-/// How many of the eight numbers first + a x + b y of each row are not negative.
+/// How many of the numbers corner + a x + b y of each row are negative; of rows past the height anything.
 #[inline]
-fn counts_of_rows<T: Copy + Default + PartialOrd + core::ops::Add<Output = T>>(first: T, a: T, b: T) -> [u8; 8] {
-    let mut values = [first; 8];
-    for y in 1..8 {
-        values[y] = values[y - 1] + b;
+fn negative_in_rows<T: Copy + Default + PartialOrd>(
+    [corner, a, b]: [T; 3],
+    plus: impl Fn(T, T) -> T,
+    [width, height]: [usize; 2],
+) -> [u32; Window::SIDE] {
+    const GROUP: usize = 8;
+    let mut counts = [0; Window::SIDE];
+    let mut row = corner;
+    for group in 0..height.div_ceil(GROUP) {
+        let mut values = [corner; GROUP];
+        for value in &mut values {
+            *value = row;
+            row = plus(row, b);
+        }
+        let mut negative = [0; GROUP];
+        for _ in 0..width {
+            for (count, value) in negative.iter_mut().zip(&mut values) {
+                *count += u32::from(*value < T::default());
+                *value = plus(*value, a);
+            }
+        }
+        counts.iter_mut().skip(GROUP * group).zip(negative).for_each(|(count, negative)| *count = negative);
     }
-    let mut counts = [0; 8];
-    for _ in 0..7 {
-        for y in 0..8 {
-            counts[y] += u8::from(values[y] >= T::default());
-            values[y] = values[y] + a;
+    counts
+}
+
+/// Which texels of a rectangle are lit.
+#[derive(Clone, Copy)]
+enum Lit {
+    None,
+    All,
+    /// Row by row, first column in bit 0; of rows and columns past its sides nothing is said.
+    Rows([u32; Window::SIDE]),
+}
+
+impl Lit {
+    /// Of two others, the second where this one is, else the first; they are made only where they are needed.
+    #[inline(always)]
+    fn choose(self, others: impl FnOnce() -> Self, own: impl FnOnce() -> Self) -> Self {
+        let Self::Rows(mask) = self else {
+            return if matches!(self, Self::All) { own() } else { others() };
+        };
+        let rows = |lit: Self| match lit {
+            Self::None => [0; Window::SIDE],
+            Self::All => [u32::MAX; Window::SIDE],
+            Self::Rows(rows) => rows,
+        };
+        let (own, others) = (rows(own()), rows(others()));
+        Self::Rows(core::array::from_fn(|i| (own[i] & mask[i]) | (others[i] & !mask[i])))
+    }
+}
+
+/// A window of texels, of which some are lit.
+pub(crate) struct Window {
+    /// Its first texel.
+    first: [u32; 2],
+    /// Row by row, first column in bit 0.
+    pub rows: [u32; Self::SIDE],
+}
+
+impl Window {
+    /// Most texels per side.
+    pub const SIDE: usize = 17;
+
+    pub fn new(first: [u32; 2]) -> Self {
+        Self { first, rows: [0; Self::SIDE] }
+    }
+
+    #[inline]
+    fn add(&mut self, [first, last]: [[u32; 2]; 2], lit: Lit) {
+        let run = (2 << (last[0] - first[0])) - 1;
+        let [column, row] = [0, 1].map(|axis| first[axis] - self.first[axis]);
+        let rows = &mut self.rows[row as usize..=(last[1] - self.first[1]) as usize];
+        match lit {
+            Lit::None => {}
+            Lit::All => rows.iter_mut().for_each(|row| *row |= run << column),
+            Lit::Rows(lit) => rows.iter_mut().zip(&lit).for_each(|(row, lit)| *row |= (lit & run) << column),
         }
     }
-    core::array::from_fn(|y| counts[y] + u8::from(values[y] >= T::default()))
 }
 
 /// The least and the greatest first shadowed slice over a rectangle of a leaf's texels, both ends in it; of masks the whole range.
