@@ -71,8 +71,8 @@ pub struct BakeOptions {
     pub levels: bool,
     /// Whether to add enter depths, for blocker lookups.
     pub enter_depths: bool,
-    /// How shadows are stored.
-    pub encoding: Encoding,
+    /// How shadows are stored: `None` for [`BakeOptions::encoding_of`].
+    pub encoding: Option<Encoding>,
     /// Whether to store silhouettes as they are looked up, so that a file can be mapped and uploaded as it is, rather than packed.
     pub is_unpacked: bool,
     /// How graphs are constructed.
@@ -88,6 +88,17 @@ pub struct BakeOptions {
     pub memory_limit: Option<u64>,
 }
 
+impl BakeOptions {
+    /// How the shadows of these lights are stored: as asked for; else as silhouettes, but as voxel graphs where there are spot and point lights
+    /// (whose planes silhouettes do not know yet, so that they take several times the memory) and with other methods, which make no others.
+    #[must_use]
+    pub fn encoding_of(&self, lights: &[Light]) -> Encoding {
+        let are_suns = lights.iter().all(|light| light.kind == antumbra_scene::LightKind::Directional);
+        let best = if are_suns && self.method == Method::Columns { Encoding::Silhouette } else { Encoding::Dag8 };
+        self.encoding.unwrap_or(best)
+    }
+}
+
 impl Default for BakeOptions {
     fn default() -> Self {
         Self {
@@ -99,7 +110,7 @@ impl Default for BakeOptions {
             local_depth: DepthDistribution::Logarithmic,
             levels: false,
             enter_depths: false,
-            encoding: Encoding::default(),
+            encoding: None,
             is_unpacked: false,
             method: Method::Columns,
             cull_identical: true,
@@ -321,10 +332,11 @@ pub(crate) fn bake_lights(
 ) -> Result<Baked, BakeError> {
     let mut warnings = casters_warnings(casters, options);
     let tables = Tables::default();
-    let mut built = Lights { casters, options, tables: &tables, progress }.build(lights)?;
+    let encoding = options.encoding_of(lights);
+    let mut built = Lights { casters, options, encoding, tables: &tables, progress }.build(lights)?;
     built.iter_mut().for_each(|light| warnings.append(&mut light.warnings));
     clock.skip();
-    let mut baked = finish(casters, tables, built, options, progress, warnings)?;
+    let mut baked = finish(casters, tables, built, (options, encoding), progress, warnings)?;
     clock.lap("encoding");
     baked.stages = clock.stages;
     Ok(baked)
@@ -370,7 +382,7 @@ pub(crate) fn check(lights: &[Light], options: &BakeOptions) -> Result<(), BakeE
     if options.method != Method::Columns && matches!(options.interior, Interior::Thickness(_) | Interior::Static(_)) {
         return Err(BakeError::MethodInterior { method: options.method.name(), policy: options.interior.name() });
     }
-    if options.encoding == Encoding::Silhouette && options.method != Method::Columns {
+    if options.encoding == Some(Encoding::Silhouette) && options.method != Method::Columns {
         return Err(BakeError::Method(options.method.name()));
     }
     let is_direction = |d: glam::DVec3| d.is_finite() && d != glam::DVec3::ZERO;
@@ -405,7 +417,7 @@ fn finish(
     casters: &Casters<'_>,
     tables: Tables,
     mut built: Vec<BuiltLight>,
-    options: &BakeOptions,
+    (options, encoding): (&BakeOptions, Encoding),
     progress: &dyn Progress,
     warnings: Vec<String>,
 ) -> Result<Baked, BakeError> {
@@ -422,7 +434,7 @@ fn finish(
         }
     }
     let light_roots = roots.len() + trees.len();
-    let has_levels = options.levels && options.encoding == Encoding::Dag8;
+    let has_levels = options.levels && encoding == Encoding::Dag8;
     if has_levels {
         progress.stage("making coarse levels");
         let mut next = 0;
@@ -443,7 +455,7 @@ fn finish(
         })?);
     }
     progress.stage("encoding");
-    let encoded: Encoded = match options.encoding {
+    let encoded: Encoded = match encoding {
         Encoding::Dag8 => encode(tables, &roots, limit, &|| progress.pause()),
         Encoding::Silhouette => silhouette::encode(trees, limit, &|| progress.pause()),
     }

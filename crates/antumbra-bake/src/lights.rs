@@ -22,6 +22,7 @@ use crate::silhouette::{self, Tree};
 pub(crate) struct Lights<'a> {
     pub casters: &'a Casters<'a>,
     pub options: &'a BakeOptions,
+    pub encoding: Encoding,
     pub tables: &'a Tables,
     pub progress: &'a dyn Progress,
 }
@@ -183,7 +184,7 @@ impl Lights<'_> {
         }
         Ok(BuiltLight {
             name: light.name.clone(),
-            record: LightRecord { encoding: self.options.encoding as u32, ..space.record() },
+            record: LightRecord { encoding: self.encoding as u32, ..space.record() },
             roots,
             enters: section,
             stages: clock.stages,
@@ -215,7 +216,7 @@ impl Lights<'_> {
             plain_code: self.options.plain_code,
         };
         let built = match self.options.method {
-            _ if self.options.encoding == Encoding::Silhouette => {
+            _ if self.encoding == Encoding::Silhouette => {
                 silhouette::build(&face).map(|tree| (Nodes::Tree(tree), Vec::new()))
             }
             Method::Columns => build(&face).map(|root| (Nodes::Graph(root), Vec::new())),

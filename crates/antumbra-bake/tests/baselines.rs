@@ -34,7 +34,7 @@ fn methods() -> [(Method, bool); 3] {
 
 fn with(method: (Method, bool), interior: Interior, resolution: u32, threads: usize) -> BakeOptions {
     BakeOptions {
-        encoding: Encoding::Dag8,
+        encoding: Some(Encoding::Dag8),
         method: method.0,
         cull_identical: method.1,
         enter_depths: true,

@@ -112,7 +112,7 @@ proptest! {
             mask(&mut scene, seed);
         }
         let encoding = if is_dag8 { Encoding::Dag8 } else { Encoding::Silhouette };
-        let own = BakeOptions { near_m: near, local_depth, encoding, ..options(interior, 64, 1) };
+        let own = BakeOptions { near_m: near, local_depth, encoding: Some(encoding), ..options(interior, 64, 1) };
         let options = BakeOptions { enter_depths: true, levels: is_dag8, ..own };
         check_all(&bake_for_check(&scene, &light, &options)).map_err(TestCaseError::fail)?;
     }

@@ -54,7 +54,7 @@ fn encoding() -> impl Strategy<Value = Encoding> {
 
 fn check(scene: &Scene, direction: [f64; 3], interior: Interior, resolution: u32) -> Result<(), String> {
     [Encoding::Dag8, Encoding::Silhouette].into_iter().try_for_each(|encoding| {
-        let options = BakeOptions { encoding, ..options(interior, resolution, 1) };
+        let options = BakeOptions { encoding: Some(encoding), ..options(interior, resolution, 1) };
         check_all(&bake_for_check(scene, &sun(direction), &options)).map_err(|e| format!("{}: {e}", encoding.name()))
     })
 }
@@ -93,7 +93,7 @@ proptest! {
     #[test]
     fn threads_do_not_change_the_bytes(meshes in meshes(), direction in direction(), encoding in encoding()) {
         let scene = scene(meshes, DAffine3::IDENTITY);
-        let with = |threads| BakeOptions { encoding, ..options(Interior::Auto, 1024, threads) };
+        let with = |threads| BakeOptions { encoding: Some(encoding), ..options(Interior::Auto, 1024, threads) };
         let bytes = |threads| bake_for_check(&scene, &sun(direction), &with(threads)).bytes;
         let one = bytes(1);
         prop_assert!(one == bytes(2) && one == bytes(3), "bytes differ between thread counts");
@@ -178,7 +178,7 @@ fn thin_folded_sheets_under_specks() {
         cuboid([at(1), 0.3 + 0.02 * at(2), f64::from(i / 40) / 20.0 - 1.0], [0.002, 0.002, 0.002], at(4))
     });
     let scene = scene(specks.chain([sheet]).collect(), DAffine3::IDENTITY);
-    let options = BakeOptions { encoding: Encoding::Silhouette, ..options(Interior::Auto, 1024, 0) };
+    let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options(Interior::Auto, 1024, 0) };
     for direction in [[0.0, -1.0, 0.0], [0.1, -1.0, 0.05], SLANT] {
         let checked = bake_for_check(&scene, &sun(direction), &options);
         assert_eq!(checked.file.stats().unwrap().triangles_open, 0);

@@ -28,7 +28,7 @@ fn every_texel_at_512() {
     for scene in scenes() {
         for interior in [Interior::Open, Interior::Auto] {
             for encoding in ENCODINGS {
-                let options = BakeOptions { encoding, ..options(interior, 512, 0) };
+                let options = BakeOptions { encoding: Some(encoding), ..options(interior, 512, 0) };
                 let checked = bake_for_check(&scene, &light(&scene), &options);
                 check_all(&checked).unwrap_or_else(|e| panic!("{} {interior:?} {encoding:?}: {e}", scene.name));
             }
@@ -55,7 +55,7 @@ fn a_million_random_texels_at_16384() {
 fn random_texels_of_silhouettes_at_4096() {
     for scene in scenes() {
         let encoding = Encoding::Silhouette;
-        check_random_texels(&scene, &BakeOptions { encoding, ..options(Interior::Auto, 4096, 0) });
+        check_random_texels(&scene, &BakeOptions { encoding: Some(encoding), ..options(Interior::Auto, 4096, 0) });
     }
 }
 

@@ -19,7 +19,7 @@ static CITY: LazyLock<Scene> = LazyLock::new(|| {
 });
 
 fn baked(light: &Light, encoding: Encoding, resolution: u32) -> Checked<'static> {
-    bake_for_check(&CITY, light, &BakeOptions { encoding, ..options(Interior::Auto, resolution, 0) })
+    bake_for_check(&CITY, light, &BakeOptions { encoding: Some(encoding), ..options(Interior::Auto, resolution, 0) })
 }
 
 static SUN: LazyLock<Checked<'static>> = LazyLock::new(|| baked(&sun([0.5, -0.6, 0.3]), Encoding::Silhouette, 1024));
@@ -126,8 +126,9 @@ fn segments_are_made_of_their_points() {
 #[test]
 fn what_is_exact_is_the_same_in_both_encodings() {
     let light = lamp([3.0, 12.0, -4.0], 80.0);
-    let [a, b] = [Encoding::Dag8, Encoding::Silhouette]
-        .map(|encoding| bake_for_check(&CITY, &light, &BakeOptions { encoding, ..options(Interior::Open, 128, 0) }));
+    let [a, b] = [Encoding::Dag8, Encoding::Silhouette].map(|encoding| {
+        bake_for_check(&CITY, &light, &BakeOptions { encoding: Some(encoding), ..options(Interior::Open, 128, 0) })
+    });
     for face in 0..6 {
         for i in 0..128u32.pow(3) {
             let voxel = [i % 128, i / 128 % 128, i / 16384];
@@ -146,7 +147,7 @@ fn bytes_hardly_grow() {
     let ground = cuboid([10.0, -0.5, 8.0], [20.0, 0.5, 20.0], 0.0);
     let scene = scene(boxes.chain([ground]).collect(), DAffine3::IDENTITY);
     let bytes = |encoding, resolution| {
-        let options = BakeOptions { encoding, ..options(Interior::Auto, resolution, 0) };
+        let options = BakeOptions { encoding: Some(encoding), ..options(Interior::Auto, resolution, 0) };
         bake(&scene, &[sun([0.37, -0.81, 0.45])], &options, &Silent).unwrap().bytes.len() as f64
     };
     let growth = |encoding| bytes(encoding, 65536) / bytes(encoding, 4096);
@@ -158,7 +159,7 @@ fn bytes_hardly_grow() {
 #[test]
 fn what_the_encoding_does_not_know_is_refused() {
     let refused = |options: BakeOptions| {
-        let options = BakeOptions { encoding: Encoding::Silhouette, ..options };
+        let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options };
         bake(&CITY, &[sun([0.5, -0.6, 0.3])], &options, &Silent).map(|_| ())
     };
     let others = refused(BakeOptions { method: Method::Kampe2015, ..options(Interior::Auto, 64, 1) });
@@ -172,7 +173,7 @@ fn what_the_encoding_does_not_know_is_refused() {
 fn no_word_of_a_pool_can_do_harm() {
     let boxes = vec![cuboid([0.0, 0.5, 0.0], [0.5, 0.5, 0.5], 0.3), cuboid([0.0, -0.1, 0.0], [2.0, 0.1, 2.0], 0.0)];
     let scene = scene(boxes, DAffine3::IDENTITY);
-    let options = BakeOptions { encoding: Encoding::Silhouette, ..options(Interior::Auto, 256, 1) };
+    let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options(Interior::Auto, 256, 1) };
     let baked = bake(&scene, &[sun([0.37, -0.81, 0.45])], &options, &Silent).unwrap();
     let file = ShadowFile::from_bytes(&baked.bytes).unwrap();
     let (mut refused, mut read) = (0, 0);
@@ -212,7 +213,7 @@ fn packed_pools_unpack_to_the_same_words() {
     for interior in [Interior::Auto, Interior::Open] {
         let with = |is_unpacked| {
             let encoding = Encoding::Silhouette;
-            let options = BakeOptions { encoding, is_unpacked, ..options(interior, 512, 0) };
+            let options = BakeOptions { encoding: Some(encoding), is_unpacked, ..options(interior, 512, 0) };
             let bytes = bake(&CITY, &lights, &options, &Silent).unwrap().bytes;
             (bytes.len(), ShadowFile::from_bytes(&bytes).unwrap())
         };

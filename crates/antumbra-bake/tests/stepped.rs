@@ -19,7 +19,7 @@ fn options(resolution: u32) -> BakeOptions {
         resolution: ResolutionRequest::Texels(Resolution::new(resolution).unwrap()),
         levels: true,
         enter_depths: true,
-        encoding: Encoding::Dag8,
+        encoding: Some(Encoding::Dag8),
         ..BakeOptions::default()
     }
 }

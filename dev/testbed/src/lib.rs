@@ -35,7 +35,13 @@ pub fn procedural(name: &str, scale: f64) -> Scene {
 #[must_use]
 pub fn baked(scene: &Scene, lights: &[Light], resolution: u32, encoding: Encoding) -> ShadowFile {
     let resolution = ResolutionRequest::Texels(Resolution::new(resolution).expect("a power of two"));
-    let options = BakeOptions { resolution, levels: true, enter_depths: true, encoding, ..BakeOptions::default() };
+    let options = BakeOptions {
+        resolution,
+        levels: true,
+        enter_depths: true,
+        encoding: Some(encoding),
+        ..BakeOptions::default()
+    };
     let baked = bake(scene, lights, &options, &Silent).expect("a bake");
     ShadowFile::from_bytes(&baked.bytes).expect("a valid file")
 }

@@ -150,7 +150,7 @@ impl Checked<'_> {
 
 pub fn options(interior: Interior, resolution: u32, threads: usize) -> BakeOptions {
     let resolution = ResolutionRequest::Texels(Resolution::new(resolution).unwrap());
-    BakeOptions { interior, resolution, threads, encoding: Encoding::Dag8, ..BakeOptions::default() }
+    BakeOptions { interior, resolution, threads, encoding: Some(Encoding::Dag8), ..BakeOptions::default() }
 }
 
 /// Bakes, and puts the casters on the lattice once more for the oracle.

@@ -101,7 +101,7 @@ pub fn run(comparison: Comparison, progress: &Progress) -> Result<Report> {
     let options = BakeOptions {
         resolution: ResolutionRequest::Texels(resolution),
         levels: true,
-        encoding: Encoding::Dag8,
+        encoding: Some(Encoding::Dag8),
         ..BakeOptions::default()
     };
     let baked = bake(&scene, &suns, &options, &Silent)?;

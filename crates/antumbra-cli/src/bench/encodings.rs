@@ -143,7 +143,7 @@ impl Measured {
     ) -> Result<Self> {
         let options = BakeOptions {
             interior: study.interior,
-            encoding,
+            encoding: Some(encoding),
             resolution: ResolutionRequest::Texels(resolution),
             ..BakeOptions::default()
         };

@@ -85,7 +85,7 @@ pub fn run(
     let lamps: Vec<Light> = scene.lights.iter().filter(|l| l.kind != LightKind::Directional).cloned().collect();
     let options = BakeOptions {
         resolution: ResolutionRequest::Texels(resolution),
-        encoding: Encoding::Dag8,
+        encoding: Some(Encoding::Dag8),
         ..BakeOptions::default()
     };
     let baked = bake(&scene, &lamps, &options, &Silent)?;

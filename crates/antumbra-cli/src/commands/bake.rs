@@ -69,7 +69,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = DepthArg::Log)]
     depth: DepthArg,
     /// How shadows are stored: silhouette (the casters' edges and planes: many times smaller, and hardly larger with resolution), or
-    /// dag8 (the papers' voxel graph) [default: silhouette, but dag8 with another method than columns]
+    /// dag8 (the papers' voxel graph) [default: silhouette for suns alone, dag8 with lamps or another --method than columns]
     #[arg(long, value_name = "NAME")]
     encoding: Option<String>,
     /// Store silhouettes as they are looked up, to be mapped into memory, instead of packed: three to five times the bytes
@@ -152,18 +152,17 @@ fn refuse_what_cannot_be(args: &Args) -> Result<()> {
     if args.no_culling && args.method != MethodArg::Kampe2015 {
         bail!("--no-culling is for --method kampe2015 alone; leave it out");
     }
-    if encoding(args)? == Encoding::Dag8 && args.unpacked {
+    if encoding(args)? == Some(Encoding::Dag8) && args.unpacked {
         bail!("--unpacked is for --encoding silhouette alone: dag8 is never packed; leave it out");
     }
     Ok(())
 }
 
-fn encoding(args: &Args) -> Result<Encoding> {
+fn encoding(args: &Args) -> Result<Option<Encoding>> {
     match args.encoding.as_deref() {
-        None if args.method != MethodArg::Columns => Ok(Encoding::Dag8),
-        None => Ok(Encoding::default()),
-        Some("dag8") => Ok(Encoding::Dag8),
-        Some("silhouette") => Ok(Encoding::Silhouette),
+        None => Ok(None),
+        Some("dag8") => Ok(Some(Encoding::Dag8)),
+        Some("silhouette") => Ok(Some(Encoding::Silhouette)),
         Some(other) => bail!("--encoding \"{other}\" is not in this version; use dag8 or silhouette"),
     }
 }

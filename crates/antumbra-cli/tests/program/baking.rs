@@ -43,25 +43,31 @@ fn bake_and_info_agree_on_what_the_file_holds() {
 #[test]
 fn silhouettes_are_baked_told_of_and_looked_up() {
     let folder = folder();
-    let bake = "bake {city} -o {s} --resolution 1024 --sun 225,30 --encoding silhouette --enter-depths --json";
+    let bake = "bake {city} -o {s} --resolution 1024 --sun 225,30 --enter-depths --json";
     let baked = run(folder.path(), bake).json();
-    let graph = run(folder.path(), "bake {city} -o {g} --resolution 1024 --sun 225,30 --json").json();
+    let graph = run(folder.path(), "bake {city} -o {g} --resolution 1024 --sun 225,30 --encoding dag8 --json").json();
+    let plain = run(folder.path(), "bake {city} -o {w} --resolution 1024 --sun 225,30 --unpacked --json").json();
     let info = run(folder.path(), "info {s} --json").json();
     assert_eq!(info["lights"][0]["encoding"], "silhouette");
     for key in ["name", "bytes", "nodes"] {
         assert_eq!(info["lights"][0][key], baked["lights"][0][key], "{key}");
     }
     assert!(bytes(&info["lights"][0]["nodes"]["cuts"]) > 100);
-    assert!(bytes(&baked["file_bytes"]) < bytes(&graph["file_bytes"]));
+    assert!(bytes(&baked["file_bytes"]) < bytes(&plain["file_bytes"]) / 2);
+    assert!(bytes(&plain["file_bytes"]) < bytes(&graph["file_bytes"]));
+    assert_eq!(plain["lights"][0]["nodes"], baked["lights"][0]["nodes"]);
+    run(folder.path(), "validate {w}").ok();
     run(folder.path(), "validate {s}").ok();
     run(folder.path(), "compare {s} {city} --samples 20000").ok();
     run(folder.path(), "render {city} -o {p.png} --size 64x36 --samples 1 --shadows {s} --filter 9").ok();
-    run(folder.path(), "render {city} -o {q.png} --size 64x36 --shadows {s} --device gpu")
-        .fails(&["silhouette", "--encoding dag8"]);
-    run(folder.path(), "bake {city} -o {l} --encoding silhouette --levels")
-        .fails(&["coarse levels", "--encoding dag8"]);
+    let levels = "render {city} -o {q.png} --size 64x36 --shadows {s} --device gpu --prefilter levels --filter 5";
+    run(folder.path(), levels).ok();
     run(folder.path(), "bake {city} -o {l} --encoding silhouette --method kampe2015")
-        .fails(&["methods", "--encoding dag8"]);
+        .fails(&["kampe2015", "--encoding dag8"]);
+    run(folder.path(), "bake {city} -o {l} --encoding dag8 --unpacked").fails(&["--unpacked", "silhouette"]);
+    // Their methods make their own encoding.
+    let theirs = run(folder.path(), "bake {city} -o {l} --resolution 256 --method kampe2015 --json").json();
+    assert_eq!(theirs["lights"][0]["nodes"]["cuts"], 0);
 }
 
 #[test]
@@ -106,9 +112,12 @@ fn several_lights_share_their_nodes() {
     for (baked, info) in [0, 1, 2].map(|i| (&baked["lights"][i], &info["lights"][i])) {
         assert_eq!((&baked["name"], &baked["bytes"], &baked["nodes"]), (&info["name"], &info["bytes"], &info["nodes"]));
     }
-    assert_eq!(baked["lights"][0]["bytes"], city["lights"][0]["bytes"]);
-    // The twin of a light adds nothing.
-    assert_eq!(baked["lights"][1]["bytes"], 0);
+    // Lamps are baked as graphs. The twin of a light adds nothing to one; to silhouettes it adds no edges and planes.
+    assert_eq!((&baked["lights"][1]["bytes"], &info["lights"][0]["encoding"]), (&0.into(), &"dag8".into()));
+    run(folder.path(), "validate {b}").ok();
+    let other = run(folder.path(), "bake {two.glb} -o {b} --resolution 256 --encoding silhouette --json").json();
+    assert_eq!(other["lights"][0]["bytes"], city["lights"][0]["bytes"]);
+    assert!(bytes(&other["lights"][1]["bytes"]) < bytes(&other["lights"][0]["bytes"]));
     run(folder.path(), "validate {b}").ok();
 
     let only = run(folder.path(), "bake {two.glb} -o {b} --resolution 64 --light twin --json").json();

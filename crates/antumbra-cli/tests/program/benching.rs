@@ -71,7 +71,7 @@ fn a_row_is_what_a_bake_says() {
                  --threads-list 1 --threads 1 --repeat 2 --json --quiet";
     let table = run(folder.path(), bench).json();
     assert_eq!(rows(&table).len(), 2);
-    let bake = "bake {city} -o {b} --light sun --resolution 512 --json --interior";
+    let bake = "bake {city} -o {b} --light sun --resolution 512 --encoding dag8 --json --interior";
     for interior in ["thickness=0.5", "closed"] {
         let baked = run(folder.path(), &format!("{bake} {interior}")).json();
         let row = row(&table, &[("interior", interior.into())]);
@@ -115,7 +115,7 @@ fn lamps_are_measured_one_by_one() {
         assert_eq!(row["shadow_map_bytes"], 2 * 128 * 128);
     }
     run(folder.path(), "scene city --scale 0.1 --lamps 5 -o {c.glb}").ok();
-    let all = run(folder.path(), "bake {c.glb} -o {b} --resolution 128 --json").json();
+    let all = run(folder.path(), "bake {c.glb} -o {b} --resolution 128 --encoding dag8 --json").json();
     let bytes: u64 = lamps.iter().filter_map(|row| row["bytes"].as_u64()).sum();
     assert_eq!(table["summary"]["bytes"], bytes);
     // The sun of the same file shares nodes with the lamps.

@@ -65,10 +65,11 @@ fn levels_of_detail_and_blockers_are_the_runtimes_own() {
             None => assert!(pair.iter().all(|v| v.is_nan())),
         }
     }
+    run(folder.path(), "bake {city} -o {graph} --resolution 512 --encoding dag8").ok();
     for (line, words) in
         [("--lod 1.5", "whole number"), ("--lod 1 --prefilter levels", "--levels"), ("--blocker 1", "--enter-depths")]
     {
-        run(folder.path(), &format!("query {{baked}} --light sun --points {{p.npy}} -o {{v.npy}} {line}"))
+        run(folder.path(), &format!("query {{graph}} --light sun --points {{p.npy}} -o {{v.npy}} {line}"))
             .fails(&[words]);
     }
 }

@@ -112,7 +112,8 @@ fn lamps_baked(
     resolution: Resolution,
 ) -> Result<Baked> {
     let resolution = ResolutionRequest::Texels(resolution);
-    let options = BakeOptions { interior, resolution, local_depth, encoding: Encoding::Dag8, ..BakeOptions::default() };
+    let options =
+        BakeOptions { interior, resolution, local_depth, encoding: Some(Encoding::Dag8), ..BakeOptions::default() };
     Ok(bake(&subject.scene, &subject.lamps, &options, &Silent)?)
 }
 

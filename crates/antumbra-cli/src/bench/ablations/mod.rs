@@ -168,7 +168,7 @@ fn rows_of(ablation: Ablation, subject: &Subject, wish: &Wish) -> Result<Vec<Vec
 /// Bakes a light as `antumbra bake` does.
 fn baked(scene: &Scene, lights: &[Light], interior: Interior, resolution: Resolution) -> Result<Baked> {
     let resolution = ResolutionRequest::Texels(resolution);
-    let options = BakeOptions { interior, resolution, encoding: Encoding::Dag8, ..BakeOptions::default() };
+    let options = BakeOptions { interior, resolution, encoding: Some(Encoding::Dag8), ..BakeOptions::default() };
     Ok(bake(scene, lights, &options, &Silent)?)
 }
 

@@ -40,8 +40,6 @@ pub(crate) struct Epipolar {
 
 /// Columns before the first that is seen, so that biased lookups find them.
 const MARGIN: f32 = 4.0;
-/// Rays per side of a grid over the picture that finds the range of phi.
-const GRID: u32 = 8;
 
 impl Epipolar {
     /// Of a VPL, for a view that looks as far as `far_m`.
@@ -83,21 +81,16 @@ impl Epipolar {
             wraps,
             size,
         };
-        let grid = (0..=GRID).flat_map(|y| (0..=GRID).map(move |x| (x, y)));
-        let farthest = grid.map(|(x, y)| {
-            let share = |i: u32, side: f64| f64::from(i) / f64::from(GRID) * side;
-            let ray = corner(share(x, width), share(y, height));
-            out.phi(ray, far_m as f32)
-        });
-        let phi_max = farthest.fold(1e-4, f32::max).min(PI);
+        // Of points as far as can be seen, phi rises with the angle from the axis up to that of a tangent from the light, and falls behind it.
+        let tangent = (far_m as f32 / distance).min(1.0).acos().clamp(alpha_least, alpha_most);
+        let phi_max = out.phi(tangent, far_m as f32).clamp(1e-4, PI);
         out.phi_scale = size.phi as f32 / (phi_max * 1.001);
         out
     }
 
-    /// The angle at the light of a point at a distance along a ray of unit length.
-    pub fn phi(&self, ray: Vec3, t: f32) -> f32 {
-        let cos = ray.dot(self.axis);
-        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    /// The angle at the light of a point at a distance along a ray, at an angle from the axis.
+    fn phi(&self, alpha: f32, t: f32) -> f32 {
+        let (sin, cos) = alpha.sin_cos();
         (t * sin).atan2(self.distance - t * cos)
     }
 

@@ -49,7 +49,7 @@ proptest! {
         prop_assert!((3.9..128.0).contains(&column), "column {column}");
         let row = space.theta_index(place.theta);
         prop_assert!((-0.01..64.01).contains(&row), "row {row}");
-        prop_assert!(place.phi >= 0.0 && place.phi * space.phi_scale < 100.0, "bit {}", place.phi * space.phi_scale);
+        prop_assert!(place.phi >= 0.0 && place.phi * space.phi_scale <= 96.0, "bit {}", place.phi * space.phi_scale);
         // From the light, along its ray, to where the eye's ray was.
         let there = ray * t;
         let r = there.distance(vpl.position);
