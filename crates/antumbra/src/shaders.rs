@@ -15,10 +15,11 @@
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use antumbra::Encoding;
 //! use antumbra::shaders::{Lookup, source};
 //!
-//! // Bindings 0 and 1 of group 1, a pool in one piece.
-//! let lookups = source(&Lookup { group: 1, binding: 0, ..Lookup::default() });
+//! // Bindings 0 and 1 of group 1, a pool in one piece. Each encoding has a text of its own; that of a file is `file.encoding()`.
+//! let lookups = source(&Lookup { encoding: Encoding::Silhouette, group: 1, binding: 0, ..Lookup::default() });
 //! let shader = format!("{lookups}
 //!     @group(0) @binding(0) var<storage, read> sun: AntumbraLight;
 //!     fn shadow(position: vec3<f32>, normal: vec3<f32>) -> f32 {{

@@ -9,6 +9,9 @@ use super::form::DEEP;
 use super::sketch::{Set, Sketch};
 use crate::dag::{EncodeError, Encoded};
 
+/// Depths that are chosen again if they will do.
+const RECENT: usize = 64;
+
 /// One face's tree: its nodes begin at word 0, its forms at number 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tree {
@@ -27,7 +30,8 @@ struct Pool {
 
 impl Tree {
     pub fn new(sketch: &Sketch, forms: &Forms<'_>) -> Self {
-        let mut writer = Writer { tree: Self::default(), numbers: FxHashMap::default(), forms };
+        let recent = Vec::with_capacity(RECENT);
+        let mut writer = Writer { tree: Self::default(), numbers: FxHashMap::default(), forms, recent };
         writer.tree.root = writer.tile(sketch);
         writer.tree
     }
@@ -47,6 +51,8 @@ struct Writer<'a> {
     tree: Tree,
     numbers: FxHashMap<Form, u32>,
     forms: &'a Forms<'a>,
+    /// Depths that were chosen lately, latest first.
+    recent: Vec<u32>,
 }
 
 impl Writer<'_> {
@@ -84,8 +90,7 @@ impl Writer<'_> {
     fn value(&mut self, set: &Set) -> u32 {
         let slices = self.forms.slices.resolution().texels();
         if set.low <= set.high {
-            // Lit where it may be.
-            return reference(Kind::Depth, set.high.min(slices));
+            return reference(Kind::Depth, self.depth(set.low, set.high.min(slices)));
         }
         let Some(plane) = set.planes().next() else { return reference(Kind::Depth, slices) };
         let Some(front) = self.forms.plane(plane).map(|form| self.form(form)) else {
@@ -95,6 +100,16 @@ impl Writer<'_> {
             Some(back) => self.node(Kind::Wedge, &[front, back]),
             None => reference(if plane.back == DEEP { Kind::Deep } else { Kind::Plane }, front),
         }
+    }
+
+    /// A depth between two: lit where it may be, or nearly so with a depth that was chosen lately, which takes fewer bytes on disk.
+    fn depth(&mut self, low: u32, high: u32) -> u32 {
+        let least = low + (high - low).div_ceil(2);
+        let known = self.recent.iter().position(|depth| (least..=high).contains(depth));
+        let depth = known.map_or(high, |at| self.recent.remove(at));
+        self.recent.truncate(RECENT - 1);
+        self.recent.insert(0, depth);
+        depth
     }
 
     fn form(&mut self, form: Form) -> u32 {

@@ -39,8 +39,8 @@ pub struct ShadowFile {
 
 impl ShadowFile {
     /// Reads and validates a whole file: checksums, ranges, node kinds, no cycles. Linear in the file's size; copies
-    /// the node pool once and makes a top grid for each face that is not homogeneous (128 KiB at N >= 256, 16 KiB for
-    /// each face of a cube, up to as much again for each coarse level).
+    /// the node pool once (or unpacks it) and makes a top grid for each face that is not homogeneous (128 KiB at N >= 256, 16 KiB for
+    /// each face of a cube, up to as much again for each coarse level; of silhouettes 256 KiB, 16 KiB, or a sixteenth of the pool).
     ///
     /// # Errors
     /// [`FormatError`], which says what is wrong and what to do. Hostile bytes give an error, never a panic.
@@ -78,7 +78,9 @@ impl ShadowFile {
             Encoding::Silhouette => check_silhouettes(&pool, &records, section(&LEVELS)?)?,
         };
         let enters = section(&ENTERS)?.map(|bytes| enter::read(bytes, &records)).transpose()?;
-        let mut grids = Grids { pool: &pool, is_flat: encoding == Encoding::Silhouette, made: BTreeMap::new() };
+        let all_faces = records.iter().map(|record| record.face_roots().len()).sum();
+        let is_flat = encoding == Encoding::Silhouette;
+        let mut grids = Grids { pool: &pool, is_flat, faces: all_faces, made: BTreeMap::new() };
         Ok(Self {
             counts,
             stats: stats.transpose()?,
@@ -203,6 +205,8 @@ struct Grids<'a> {
     pool: &'a [u32],
     /// Whether nodes are tiles.
     is_flat: bool,
+    /// Of all lights: one at least.
+    faces: usize,
     made: BTreeMap<(u32, u32, u32), Arc<TopGrid>>,
 }
 
@@ -210,7 +214,7 @@ impl Grids<'_> {
     fn grid(&mut self, root: u32, log2: u32, most_log2: u32) -> Arc<TopGrid> {
         let new = || {
             Arc::new(if self.is_flat {
-                TopGrid::new_flat(self.pool, root, log2, top_grid::flat_log2(most_log2))
+                TopGrid::new_flat(self.pool, root, log2, top_grid::flat_log2(most_log2, self.pool.len() / self.faces))
             } else {
                 TopGrid::new(self.pool, root, log2, most_log2)
             })

@@ -10,9 +10,11 @@ use crate::format::silhouette::{Kind, MASK_LEVEL, kind};
 /// log2 of the cells per side, where the light is large enough.
 pub(crate) const MAX_LOG2_CELLS: u32 = 5;
 
-/// log2 of the cells per side of a grid of tiles that takes about as much as one of cubes: 256 per side for a light of one face.
-pub(crate) fn flat_log2(log2_cells: u32) -> u32 {
-    if log2_cells == MAX_LOG2_CELLS { 8 } else { log2_cells * 3 / 2 }
+/// log2 of the cells per side of a grid of tiles that takes about as much as one of cubes, 256 per side for a light of one face; or more,
+/// while it stays below a sixteenth of a face's share of the pool, where every level costs a miss of the cache.
+pub(crate) fn flat_log2(log2_cells: u32, words_per_face: usize) -> u32 {
+    let least = if log2_cells == MAX_LOG2_CELLS { 8 } else { log2_cells * 3 / 2 };
+    (words_per_face / 16).checked_ilog2().map_or(least, |log2| least.max(log2 / 2))
 }
 
 /// References to the nodes at the level with min(32, N/8) nodes per side (or fewer, where many grids are made), x fastest,
