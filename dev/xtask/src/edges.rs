@@ -16,7 +16,7 @@ const MAY_DEPEND_ON: [(&str, &[&str]); 6] = [
 ];
 
 /// What the runtime, which games ship, may take from elsewhere.
-const RUNTIME_MAY_USE: [&str; 5] = ["bytemuck", "glam", "libm", "thiserror", "xxhash-rust"];
+const RUNTIME_MAY_USE: [&str; 6] = ["bytemuck", "glam", "libm", "miniz_oxide", "thiserror", "xxhash-rust"];
 
 /// Reads `cargo metadata` and checks every edge that is not for tests alone.
 pub fn check() -> Result<()> {
