@@ -122,8 +122,9 @@ fn summary(
         let shadow_map = 2 * u64::from(n) * u64::from(n);
         table.row("resolution", format!("{n} x {n} x {n} voxels, texels of {:.1} cm", 100.0 * light.texel_size_m));
         table.row("built in", format!("{:.2} s on {} thread(s)", light.build_seconds, baked.threads));
-        table.row("bytes", bytes(light.bytes));
-        let ratio = shadow_map as f64 / light.bytes.max(1) as f64;
+        let file = baked.bytes.len() as u64;
+        table.row("bytes", format!("{} on disk, {} as they are looked up", bytes(file), bytes(light.bytes)));
+        let ratio = shadow_map as f64 / file as f64;
         table.row("16-bit shadow map", format!("{}: {ratio:.0} times as many", bytes(shadow_map)));
     }
     table.row("lookups", format!("{:.1} million a second on one thread", lookups_per_second * 1e-6));
