@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use antumbra::{Filter, LightShadow, ShadowFile};
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, bake};
+use antumbra_bake::{BakeOptions, Encoding, ResolutionRequest, Silent, bake};
 use antumbra_render::{Ray, Tracer};
 use antumbra_scene::{LightKind, Scene, procedural};
 use anyhow::{Context, Result, anyhow};
@@ -82,7 +82,9 @@ fn measure_scene(name: &str, args: &Args) -> Result<()> {
     let scene = load(name)?;
     let light = scene.lights.iter().find(|l| l.kind == LightKind::Directional).context("the scene has no sun")?;
     let resolution = Resolution::new(args.resolution).context("--resolution: a power of two from 64 to 1048576")?;
-    let options = BakeOptions { resolution: ResolutionRequest::Texels(resolution), ..BakeOptions::default() };
+    // The graph, whose descents run side by side; `antumbra bench encodings` has both.
+    let encoding = Some(Encoding::Dag8);
+    let options = BakeOptions { resolution: ResolutionRequest::Texels(resolution), encoding, ..BakeOptions::default() };
     let baked = bake(&scene, std::slice::from_ref(light), &options, &Silent)?;
     let file = ShadowFile::from_bytes(&baked.bytes)?;
     let shadow = file.lights().next().context("the bake has no light")?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, Step, SteppedBaker, bake};
+use antumbra_bake::{BakeOptions, Encoding, ResolutionRequest, Silent, Step, SteppedBaker, bake};
 use antumbra_scene::LightKind;
 use anyhow::{Context, Result, ensure};
 
@@ -17,8 +17,12 @@ pub fn measure(name: &str, resolution: u32, budget_ms: f64) -> Result<()> {
     let scene = Arc::new(super::load(name)?);
     let sun = scene.lights.iter().find(|l| l.kind == LightKind::Directional).context("the scene has no sun")?.clone();
     let resolution = Resolution::new(resolution).context("--resolution: a power of two from 64 to 1048576")?;
-    let options =
-        BakeOptions { resolution: ResolutionRequest::Texels(resolution), threads: 1, ..BakeOptions::default() };
+    let options = BakeOptions {
+        encoding: Some(Encoding::Dag8),
+        resolution: ResolutionRequest::Texels(resolution),
+        threads: 1,
+        ..BakeOptions::default()
+    };
     let start = Instant::now();
     let whole = bake(&scene, std::slice::from_ref(&sun), &options, &Silent)?;
     let at_once = start.elapsed();

@@ -180,7 +180,7 @@ fn boxes_of_a_walk_hold_what_the_lookups_say() {
 fn pools_in_pages_are_the_same() {
     let gpu = gpu();
     let city = procedural("city", 0.2);
-    // Software drivers take minutes for a shader of many pages and silhouettes, whose pools are small enough to need none.
+    // Software drivers take minutes for a shader of silhouettes on many pages, which pools of half a gigabyte would need.
     for (encoding, pages) in [(Encoding::Dag8, 2), (Encoding::Dag8, 5), (Encoding::Silhouette, 2)] {
         let file = baked(&city, &first_lights(&city, [1, 0, 0]), 8192, encoding);
         let bytes = 4 * file.pool().len() as u64;

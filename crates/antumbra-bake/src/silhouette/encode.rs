@@ -130,7 +130,8 @@ fn number(forms: &mut Vec<Form>, numbers: &mut FxHashMap<Form, u32>, form: Form)
 /// [`EncodeError`].
 pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: &dyn Fn() -> bool) -> Result<Encoded, EncodeError> {
     let held: u64 = trees.iter().map(Tree::bytes).sum();
-    if held.saturating_mul(2) > memory_limit {
+    // The trees and the pool; then the pool, its streams, and what they are packed into.
+    if held.saturating_mul(3) > memory_limit {
         return Err(EncodeError::MemoryLimit);
     }
     let mut pool = Pool::default();

@@ -126,8 +126,9 @@ impl Memory {
 pub fn pack(pool: &[u32], roots: impl IntoIterator<Item = u32>) -> Vec<u8> {
     let mut packer = Packer { pool, memory: Memory::default(), streams: Default::default() };
     roots.into_iter().for_each(|root| packer.tile(root));
-    let sizes = packer.streams.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes());
-    let streams: Vec<u8> = sizes.chain(packer.streams.iter().flatten().copied()).collect();
+    let mut streams: Vec<u8> = packer.streams.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes()).collect();
+    // Each is dropped when it is copied.
+    packer.streams.into_iter().for_each(|stream| streams.extend_from_slice(&stream));
     let mut bytes = [pool.len() as u32, pool[0]].map(u32::to_le_bytes).concat();
     bytes.extend_from_slice(&compress_to_vec(&streams, DEFLATE_LEVEL));
     bytes
@@ -217,7 +218,7 @@ pub fn unpack(bytes: &[u8], levels: &[u32]) -> Result<Vec<u32>, FormatError> {
     let [words, forms] =
         [0, 4].map(|at| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]));
     // Eight for each word and root: a new depth takes six, a new form 21.
-    let most = 4 * STREAMS + 8 * (words as usize + levels.len());
+    let most = (words as usize).saturating_add(levels.len()).saturating_mul(8).saturating_add(4 * STREAMS);
     let inflated = decompress_to_vec_with_limit(deflated, most).map_err(|_| CUT_OFF)?;
     let (sizes, mut rest) = inflated.split_at_checked(4 * STREAMS).ok_or(CUT_OFF)?;
     let mut streams = [&[][..]; STREAMS];
