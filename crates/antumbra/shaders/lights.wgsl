@@ -8,7 +8,7 @@ struct AntumbraLight {
     row_y: vec4<f32>,
     row_z: vec4<f32>,
     // Directional: voxel coordinates of the reference point, their whole part and their fraction. Local: the reference point
-    // in the light's axes, metres (in `fraction`).
+    // in the light's axes, metres (in `fraction`), and where the beginnings of its slices are in the tables (in `whole.w`; 0 for none).
     whole: vec4<i32>,
     fraction: vec4<f32>,
     // 0 directional, 1 spot, 2 point.
@@ -49,13 +49,16 @@ struct AntumbraFace {
     grid_log2: u32,
     // log2 of how many of the light's own texels lie between neighbours: on coarse levels without nodes of their own.
     stride: u32,
+    // Where the beginnings of the slices are in the tables, of silhouettes; 0 where slices are even.
+    slices: u32,
 }
 
 fn antumbra_face(light: AntumbraLight, level: u32, face: u32) -> AntumbraFace {
     let at = light.first_face + 4u * (level * light.faces + face);
     let last = antumbra_table(at + 3u);
     return AntumbraFace(
-        antumbra_table(at), antumbra_table(at + 1u), antumbra_table(at + 2u), last & 0xffffu, last >> 16u);
+        antumbra_table(at), antumbra_table(at + 1u), antumbra_table(at + 2u), last & 0xffffu, last >> 16u,
+        u32(light.whole.w));
 }
 
 // A node and log2 of its voxels per side.

@@ -29,6 +29,8 @@ struct AntumbraWalk {
     level: u32,
     // log2 of the voxels per side.
     log2_side: u32,
+    // Where the beginnings of the slices are: see AntumbraFace.
+    slices: u32,
     // The voxel that `nodes` lead to.
     described: vec3<u32>,
     // Parameters: here, and where the walk ends.
@@ -116,7 +118,9 @@ fn antumbra_walk(light: AntumbraLight, line: AntumbraLine, part: vec2<f32>) -> A
     walk.last = antumbra_voxel_at(light, line, part.y);
     walk.level = light.log2_resolution;
     walk.log2_side = light.log2_resolution;
-    walk.nodes[light.log2_resolution] = antumbra_face(light, 0u, line.face).root;
+    let face = antumbra_face(light, 0u, line.face);
+    walk.slices = face.slices;
+    walk.nodes[light.log2_resolution] = face.root;
     return walk;
 }
 

@@ -6,7 +6,7 @@
 
 // The depth itself.
 const ANTUMBRA_DEPTH: u32 = 0u;
-// v >> shift.
+// v >> shift, in slices or in lattice steps.
 const ANTUMBRA_PLANE: u32 = 1u;
 // Two planes: max(front, min(front's deep one, back)).
 const ANTUMBRA_WEDGE: u32 = 2u;
@@ -38,7 +38,11 @@ fn antumbra_plus(p: vec2<u32>, q: vec2<u32>) -> vec2<u32> {
     return vec2(low, p.y + q.y + select(0u, 1u, low < p.x));
 }
 
-// A number of 32 bits, shifted left by less than 32.
+// Numbers of 32 bits, shifted left by less than 32: whole ones, and ones with a sign.
+fn antumbra_lifted(number: u32, shift: u32) -> vec2<u32> {
+    return vec2(number << shift, select(number >> (32u - shift), 0u, shift == 0u));
+}
+
 fn antumbra_shifted(number: i32, shift: u32) -> vec2<u32> {
     let high = number >> select(32u - shift, 31u, shift == 0u);
     return vec2(bitcast<u32>(number) << shift, bitcast<u32>(high));
@@ -53,6 +57,24 @@ struct AntumbraForm {
     b: i32,
     c: vec2<u32>,
     shift: u32,
+    // Whether it is a plane's deep one.
+    is_deep: bool,
+}
+
+// How a light's slices follow one another.
+struct AntumbraSpread {
+    // log2 of how many.
+    log2: u32,
+    // Where the table of the lattice steps is at which they begin; 0 where they are even, and planes count in them.
+    table: u32,
+}
+
+// One of the light's own slices.
+struct AntumbraSlice {
+    z: u32,
+    is_even: bool,
+    // The least whole values with which a plane, and a deep one, lie behind it, so that it is lit.
+    least_behind: vec2<u32>,
 }
 
 fn antumbra_form(number: u32) -> AntumbraForm {
@@ -60,7 +82,7 @@ fn antumbra_form(number: u32) -> AntumbraForm {
     // The last word's low 24 bits are c's high ones, with their sign.
     let high = bitcast<i32>(words.w << 8u) >> 8u;
     return AntumbraForm(
-        bitcast<i32>(words.x), bitcast<i32>(words.y), vec2(words.z, bitcast<u32>(high)), words.w >> 24u);
+        bitcast<i32>(words.x), bitcast<i32>(words.y), vec2(words.z, bitcast<u32>(high)), words.w >> 24u, false);
 }
 
 // A form's value at a texel.
@@ -74,21 +96,41 @@ fn antumbra_form_at(form: AntumbraForm, texel: vec2<u32>) -> vec2<u32> {
     return antumbra_plus(antumbra_plus(sum, vec2(low.y << 11u, low.y >> 21u)), antumbra_shifted(high, 22u));
 }
 
-// The plane half a slice behind a plane's deepest point within each texel.
-fn antumbra_deep(form: AntumbraForm) -> AntumbraForm {
+fn antumbra_slices(face: AntumbraFace) -> AntumbraSpread {
+    return AntumbraSpread(face.log2_side + face.stride, face.slices);
+}
+
+fn antumbra_least_behind(spread: AntumbraSpread, z: u32) -> vec2<u32> {
+    if spread.table == 0u {
+        return vec2(z + 1u);
+    }
+    let begin = antumbra_table(spread.table + z);
+    let before = antumbra_table(spread.table + max(z, 1u) - 1u);
+    return vec2(begin, before + ((begin - before) >> 1u));
+}
+
+// A slice of a face, given as its level counts them.
+fn antumbra_slice_of(face: AntumbraFace, z: u32) -> AntumbraSlice {
+    let own = antumbra_middle(vec2(z), face.stride).x;
+    return AntumbraSlice(own, face.slices == 0u, antumbra_least_behind(antumbra_slices(face), own));
+}
+
+// The deep one of a plane, within half a slice: the deepest point of each texel.
+fn antumbra_deep(form: AntumbraForm, is_even: bool) -> AntumbraForm {
     let a = u32(abs(form.a));
     let b = u32(abs(form.b));
     let one = 1u << form.shift;
     // Half of a sum that may need one more bit.
     let rise = (a >> 1u) + (b >> 1u) + (a & b & 1u);
-    let c = antumbra_plus(form.c, vec2(rise + (one >> 1u) + (one >> 8u), 0u));
-    return AntumbraForm(form.a, form.b, c, form.shift);
+    let c = antumbra_plus(form.c, vec2(rise + select(one, (one >> 1u) + (one >> 8u), is_even), 0u));
+    return AntumbraForm(form.a, form.b, c, form.shift, true);
 }
 
-// The edge to whose left are the texels at which a plane lies behind slice z, so that it is lit: not before the next.
-fn antumbra_behind(form: AntumbraForm, z: u32) -> AntumbraForm {
-    let less = antumbra_plus(~antumbra_shifted(i32(z) + 1, form.shift), vec2(1u, 0u));
-    return AntumbraForm(form.a, form.b, antumbra_plus(form.c, less), form.shift);
+// The edge to whose left are the texels at which a plane lies behind a slice, so that it is lit.
+fn antumbra_behind(plane: AntumbraForm, slice: AntumbraSlice) -> AntumbraForm {
+    let least = select(slice.least_behind.x, slice.least_behind.y, plane.is_deep);
+    let less = antumbra_plus(~antumbra_lifted(least, plane.shift), vec2(1u, 0u));
+    return AntumbraForm(plane.a, plane.b, antumbra_plus(plane.c, less), plane.shift, false);
 }
 
 fn antumbra_is_left(edge: AntumbraForm, texel: vec2<u32>) -> bool {
@@ -136,7 +178,7 @@ fn antumbra_planes(part: u32) -> u32 {
     return select(1u, 3u, antumbra_kind(part) == ANTUMBRA_WEDGE);
 }
 
-fn antumbra_plane(part: u32, i: u32) -> AntumbraForm {
+fn antumbra_plane(part: u32, i: u32, is_even: bool) -> AntumbraForm {
     var number = antumbra_payload(part);
     let is_wedge = antumbra_kind(part) == ANTUMBRA_WEDGE;
     if is_wedge {
@@ -144,7 +186,7 @@ fn antumbra_plane(part: u32, i: u32) -> AntumbraForm {
     }
     let plane = antumbra_form(number);
     if (is_wedge && i == 1u) || antumbra_kind(part) == ANTUMBRA_DEEP {
-        return antumbra_deep(plane);
+        return antumbra_deep(plane, is_even);
     }
     return plane;
 }
@@ -165,19 +207,19 @@ fn antumbra_bit(mask: vec2<u32>, texel: vec2<u32>) -> bool {
     return ((word >> (8u * (texel.y & 3u) + (texel.x & 7u))) & 1u) != 0u;
 }
 
-// Whether slice z of the face is lit at one of its texels, below a tile of 2^level texels per side.
-fn antumbra_tile_is_lit(start: u32, level: u32, texel: vec2<u32>, z: u32) -> bool {
+// Whether a slice of the face is lit at one of its texels, below a tile of 2^level texels per side.
+fn antumbra_tile_is_lit(start: u32, level: u32, texel: vec2<u32>, slice: AntumbraSlice) -> bool {
     let part = antumbra_part_at(antumbra_descend(start, level, 0u, texel).node, texel);
     if antumbra_kind(part) == ANTUMBRA_DEPTH {
-        return z < antumbra_payload(part);
+        return slice.z < antumbra_payload(part);
     }
     if antumbra_kind(part) == ANTUMBRA_MASKS {
-        return antumbra_bit(antumbra_turn(part, z), texel);
+        return antumbra_bit(antumbra_turn(part, slice.z), texel);
     }
     // Before the front plane, or before its deep one and the back one.
     let planes = antumbra_planes(part);
     for (var i = 0u; i < planes; i++) {
-        let is_before = antumbra_is_left(antumbra_behind(antumbra_plane(part, i), z), texel);
+        let is_before = antumbra_is_left(antumbra_behind(antumbra_plane(part, i, slice.is_even), slice), texel);
         if is_before == (i == 0u) {
             return is_before;
         }
@@ -185,17 +227,34 @@ fn antumbra_tile_is_lit(start: u32, level: u32, texel: vec2<u32>, z: u32) -> boo
     return planes > 1u;
 }
 
-// The first shadowed slice of a plane's value, 0 to `slices`.
-fn antumbra_clamped(v: vec2<u32>, shift: u32, slices: u32) -> u32 {
+// The first shadowed slice of a plane's value, 0 to N.
+fn antumbra_depth_of(v: vec2<u32>, plane: AntumbraForm, spread: AntumbraSpread) -> u32 {
+    let slices = 1u << spread.log2;
     if antumbra_is_negative(v) {
         return 0u;
     }
-    let low = (v.x >> shift) | select(v.y << (32u - shift), 0u, shift == 0u);
-    return select(min(low, slices), slices, (v.y >> shift) != 0u);
+    if (v.y >> plane.shift) != 0u {
+        return slices;
+    }
+    let value = (v.x >> plane.shift) | select(v.y << (32u - plane.shift), 0u, plane.shift == 0u);
+    if spread.table == 0u {
+        return min(value, slices);
+    }
+    // How many slices it lies behind.
+    var depth = 0u;
+    for (var more = slices; more > 0u; more >>= 1u) {
+        if depth + more <= slices && antumbra_table(spread.table + depth + more - 1u) <= value {
+            depth += more;
+        }
+    }
+    if plane.is_deep && depth < slices {
+        depth += select(0u, 1u, antumbra_least_behind(spread, depth).y <= value);
+    }
+    return depth;
 }
 
-// The first shadowed slice at a texel of a leaf, 0 to `slices`.
-fn antumbra_depth(leaf: u32, texel: vec2<u32>, slices: u32) -> u32 {
+// The first shadowed slice at a texel of a leaf, 0 to N.
+fn antumbra_depth(leaf: u32, texel: vec2<u32>, spread: AntumbraSpread) -> u32 {
     let part = antumbra_part_at(leaf, texel);
     let at = antumbra_payload(part);
     if antumbra_kind(part) == ANTUMBRA_DEPTH {
@@ -208,13 +267,13 @@ fn antumbra_depth(leaf: u32, texel: vec2<u32>, slices: u32) -> u32 {
                 return antumbra_word(turn);
             }
         }
-        return slices;
+        return 1u << spread.log2;
     }
     var depths = vec3(0u);
     let planes = antumbra_planes(part);
     for (var i = 0u; i < planes; i++) {
-        let plane = antumbra_plane(part, i);
-        depths[i] = antumbra_clamped(antumbra_form_at(plane, texel), plane.shift, slices);
+        let plane = antumbra_plane(part, i, spread.table == 0u);
+        depths[i] = antumbra_depth_of(antumbra_form_at(plane, texel), plane, spread);
     }
     return max(depths.x, min(depths.y, depths.z));
 }
@@ -239,25 +298,64 @@ fn antumbra_middle(c: vec2<u32>, stride: u32) -> vec2<u32> {
 fn antumbra_voxel_is_lit(face: AntumbraFace, voxel: vec3<u32>) -> bool {
     let texel = antumbra_middle(voxel.xy, face.stride);
     let start = antumbra_start(face, texel);
-    return antumbra_tile_is_lit(start.node, start.level, texel, antumbra_middle(voxel.zz, face.stride).x);
+    return antumbra_tile_is_lit(start.node, start.level, texel, antumbra_slice_of(face, voxel.z));
 }
 
-// The least and the greatest first shadowed slice over a rectangle of a leaf's texels, both ends in it; wider of masks.
-fn antumbra_bounds(leaf: u32, rectangle: vec4<u32>, slices: u32) -> vec2<u32> {
-    if antumbra_kind(leaf) == ANTUMBRA_MASKS {
-        return vec2(0u, slices);
-    }
-    let edges = antumbra_edges(leaf);
-    // Which sides of an edge the rectangle touches: 1 right, 2 left.
+// Which sides of a leaf's edges a rectangle of texels touches, both ends in it: 1 right, 2 left.
+fn antumbra_touched(leaf: u32, edges: u32, rectangle: vec4<u32>) -> vec2<u32> {
     var touched = vec2(1u);
     for (var i = 0u; i < edges; i++) {
         let edge = antumbra_form(antumbra_word(antumbra_payload(leaf) + i));
         let ends = antumbra_ends(edge, rectangle);
         touched[i] = select(2u, 1u, antumbra_is_negative(ends.xy)) | select(2u, 1u, antumbra_is_negative(ends.zw));
     }
+    return touched;
+}
+
+fn antumbra_is_touched(part: u32, touched: vec2<u32>) -> bool {
+    return all(((touched >> (vec2(part, part >> 1u) & vec2(1u))) & vec2(1u)) != vec2(0u));
+}
+
+// Whether all, and whether some, of a rectangle of a leaf's texels are surely lit in a slice, or may be.
+fn antumbra_lit_over(leaf: u32, rectangle: vec4<u32>, slice: AntumbraSlice) -> vec2<bool> {
+    if antumbra_kind(leaf) == ANTUMBRA_MASKS {
+        return vec2(false, true);
+    }
+    let edges = antumbra_edges(leaf);
+    let touched = antumbra_touched(leaf, edges, rectangle);
+    var lit = vec2(true, false);
+    for (var i = 0u; i < 1u << edges; i++) {
+        if !antumbra_is_touched(i, touched) {
+            continue;
+        }
+        let part = antumbra_part(leaf, edges, i);
+        var of_planes = array<vec2<bool>, 3>();
+        if antumbra_kind(part) == ANTUMBRA_DEPTH {
+            of_planes[0] = vec2(slice.z < antumbra_payload(part));
+        } else {
+            let planes = antumbra_planes(part);
+            for (var j = 0u; j < planes; j++) {
+                let ends = antumbra_ends(antumbra_behind(antumbra_plane(part, j, slice.is_even), slice), rectangle);
+                of_planes[j] = vec2(!antumbra_is_negative(ends.xy), !antumbra_is_negative(ends.zw));
+            }
+        }
+        let of_part = of_planes[0] | (of_planes[1] & of_planes[2]);
+        lit = vec2(lit.x && of_part.x, lit.y || of_part.y);
+    }
+    return lit;
+}
+
+// The least and the greatest first shadowed slice over a rectangle of a leaf's texels, both ends in it; wider of masks.
+fn antumbra_bounds(leaf: u32, rectangle: vec4<u32>, spread: AntumbraSpread) -> vec2<u32> {
+    let slices = 1u << spread.log2;
+    if antumbra_kind(leaf) == ANTUMBRA_MASKS {
+        return vec2(0u, slices);
+    }
+    let edges = antumbra_edges(leaf);
+    let touched = antumbra_touched(leaf, edges, rectangle);
     var bounds = vec2(slices, 0u);
     for (var i = 0u; i < 1u << edges; i++) {
-        if any(((touched >> (vec2(i, i >> 1u) & vec2(1u))) & vec2(1u)) == vec2(0u)) {
+        if !antumbra_is_touched(i, touched) {
             continue;
         }
         let part = antumbra_part(leaf, edges, i);
@@ -267,9 +365,9 @@ fn antumbra_bounds(leaf: u32, rectangle: vec4<u32>, slices: u32) -> vec2<u32> {
         } else {
             let planes = antumbra_planes(part);
             for (var j = 0u; j < planes; j++) {
-                let plane = antumbra_plane(part, j);
+                let plane = antumbra_plane(part, j, spread.table == 0u);
                 let ends = antumbra_ends(plane, rectangle);
-                depths[j] = vec2(antumbra_clamped(ends.xy, plane.shift, slices), antumbra_clamped(ends.zw, plane.shift, slices));
+                depths[j] = vec2(antumbra_depth_of(ends.xy, plane, spread), antumbra_depth_of(ends.zw, plane, spread));
             }
         }
         let depth = max(depths[0], min(depths[1], depths[2]));
@@ -289,8 +387,7 @@ fn antumbra_ends(form: AntumbraForm, rectangle: vec4<u32>) -> vec4<u32> {
 struct AntumbraTile {
     corner: vec2<u32>,
     stride: u32,
-    // The light's own slice.
-    z: u32,
+    slice: AntumbraSlice,
 }
 
 // The texels of a tile to the left of an edge: bit 8y + x, rows 0 to 3 in the first word.
@@ -319,12 +416,12 @@ fn antumbra_left_mask(edge: AntumbraForm, tile: AntumbraTile) -> vec2<u32> {
 
 fn antumbra_part_mask(part: u32, tile: AntumbraTile) -> vec2<u32> {
     if antumbra_kind(part) == ANTUMBRA_DEPTH {
-        return vec2(select(0u, 0xffffffffu, tile.z < antumbra_payload(part)));
+        return vec2(select(0u, 0xffffffffu, tile.slice.z < antumbra_payload(part)));
     }
     var lit = array<vec2<u32>, 3>();
     let planes = antumbra_planes(part);
     for (var i = 0u; i < planes; i++) {
-        lit[i] = antumbra_left_mask(antumbra_behind(antumbra_plane(part, i), tile.z), tile);
+        lit[i] = antumbra_left_mask(antumbra_behind(antumbra_plane(part, i, tile.slice.is_even), tile.slice), tile);
     }
     return lit[0] | (lit[1] & lit[2]);
 }
@@ -335,7 +432,7 @@ fn antumbra_tile_mask(start: AntumbraStart, tile: AntumbraTile, wanted: vec2<u32
     let found = antumbra_descend(start.node, start.level, ANTUMBRA_MASK_LEVEL + tile.stride, first);
     let leaf = found.node;
     if antumbra_kind(leaf) == ANTUMBRA_MASKS {
-        return antumbra_turn(leaf, tile.z);
+        return antumbra_turn(leaf, tile.slice.z);
     }
     if antumbra_kind(leaf) == ANTUMBRA_INNER {
         // On coarse levels alone: texel by texel.
@@ -343,7 +440,7 @@ fn antumbra_tile_mask(start: AntumbraStart, tile: AntumbraTile, wanted: vec2<u32
         for (var i = 0u; i < 64u; i++) {
             let texel = antumbra_middle(tile.corner + vec2(i & 7u, i >> 3u), tile.stride);
             let bit = select(vec2(1u, 0u), vec2(0u, 1u), i >= 32u) << vec2(i & 31u);
-            if any((wanted & bit) != vec2(0u)) && antumbra_tile_is_lit(leaf, found.level, texel, tile.z) {
+            if any((wanted & bit) != vec2(0u)) && antumbra_tile_is_lit(leaf, found.level, texel, tile.slice) {
                 mask |= bit;
             }
         }
@@ -369,7 +466,7 @@ fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
     let first = vec2<u32>(w.first);
     let last = vec2<u32>(w.last);
     let rectangle = vec4(antumbra_middle(first, face.stride), antumbra_middle(last, face.stride));
-    let z = antumbra_middle(vec2(w.z), face.stride).x;
+    let slice = antumbra_slice_of(face, w.z);
     var start = antumbra_start(face, rectangle.xy);
     if ANTUMBRA_MASK_LEVEL + face.stride > start.level {
         // A coarse level's tiles may be wider than cells.
@@ -382,11 +479,11 @@ fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
     if is_shared {
         start = antumbra_descend(start.node, start.level, joint, rectangle.xy);
         if antumbra_kind(start.node) != ANTUMBRA_INNER {
-            let bounds = antumbra_bounds(start.node, rectangle, 1u << (face.log2_side + face.stride));
-            if z < bounds.x {
+            let lit = antumbra_lit_over(start.node, rectangle, slice);
+            if lit.x {
                 return antumbra_rectangle_weight(w, w.first, w.last);
             }
-            if z >= bounds.y {
+            if !lit.y {
                 return 0u;
             }
         }
@@ -395,7 +492,7 @@ fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
     for (var y = w.first.y & -8; y <= w.last.y; y += 8) {
         for (var x = w.first.x & -8; x <= w.last.x; x += 8) {
             let corner = vec2(x, y);
-            let tile = AntumbraTile(vec2<u32>(corner), face.stride, z);
+            let tile = AntumbraTile(vec2<u32>(corner), face.stride, slice);
             if !is_shared {
                 start = antumbra_start(face, antumbra_middle(tile.corner, face.stride));
             }
@@ -416,7 +513,7 @@ fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 
     if level > start.level {
         start = AntumbraStart(face.root, face.log2_side);
     }
-    let slices = 1u << face.log2_side;
+    let spread = antumbra_slices(face);
     let tile = antumbra_descend(start.node, start.level, level, voxel.xy);
     let first = (voxel.z >> level) << level;
     var log2_columns = min(level, ANTUMBRA_COLUMNS_LOG2);
@@ -430,7 +527,7 @@ fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 
         let column = corner + vec2(i & ((1u << log2_columns) - 1u), i >> log2_columns);
         let texel = antumbra_middle(column, stride);
         let leaf = antumbra_descend(tile.node, tile.level, 0u, texel).node;
-        let depth = antumbra_depth(leaf, texel, slices);
+        let depth = antumbra_depth(leaf, texel, spread);
         lit += min(max(depth, first) - first, 1u << level);
     }
     // No more bits than single precision holds; divided by a power of two.
@@ -453,24 +550,26 @@ fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> Antumbr
         (*walk).nodes[level] = tile;
     }
     (*walk).level = level;
-    let slices = 1u << (*walk).log2_side;
-    var corner = voxel.xy;
-    var bounds = vec2(0u);
+    let spread = AntumbraSpread((*walk).log2_side, (*walk).slices);
+    let slice = AntumbraSlice(voxel.z, spread.table == 0u, antumbra_least_behind(spread, voxel.z));
     while level > 0u {
-        corner = (voxel.xy >> vec2(level)) << vec2(level);
-        bounds = antumbra_bounds(tile, vec4(corner, corner + ((1u << level) - 1u)), slices);
-        if voxel.z < bounds.x || voxel.z >= bounds.y {
+        let first = (voxel.xy >> vec2(level)) << vec2(level);
+        let lit = antumbra_lit_over(tile, vec4(first, first + ((1u << level) - 1u)), slice);
+        if lit.x || !lit.y {
             break;
         }
         level -= 1u;
     }
+    let corner = (voxel.xy >> vec2(level)) << vec2(level);
+    var bounds = vec2(0u);
     if level == 0u {
-        corner = voxel.xy;
-        bounds = vec2(antumbra_depth(tile, voxel.xy, slices));
+        bounds = vec2(antumbra_depth(tile, voxel.xy, spread));
+    } else {
+        bounds = antumbra_bounds(tile, vec4(corner, corner + ((1u << level) - 1u)), spread);
     }
     let end = corner + (1u << level);
     if voxel.z < bounds.x {
         return AntumbraCell(vec3(corner, 0u), vec3(end, bounds.x), true);
     }
-    return AntumbraCell(vec3(corner, bounds.y), vec3(end, slices), false);
+    return AntumbraCell(vec3(corner, bounds.y), vec3(end, 1u << spread.log2), false);
 }

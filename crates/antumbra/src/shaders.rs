@@ -6,7 +6,7 @@
 //!
 //! | binding | buffer | contents |
 //! |---|---|---|
-//! | first | `array<u32>` | [`Tables::words`]: faces, top grids, enter depths |
+//! | first | `array<u32>` | [`Tables::words`]: faces, top grids, beginnings of slices, enter depths |
 //! | the next ones | `array<u32>` | the node pool ([`ShadowFile::pool`]) in [`pages`] |
 //!
 //! A light itself is a [`GpuLight`]: 144 bytes that a shader takes as the struct `AntumbraLight`, from whatever buffer you
@@ -178,16 +178,17 @@ pub struct Tables {
 struct At {
     first_face: u32,
     enters: u32,
+    slices: u32,
 }
 
 impl Tables {
     /// The tables of all lights of a file: 16 bytes for each face and coarse level, its top grid (128 or 256 KiB for a sun, 16 KiB for a
-    /// lamp's face; each once), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
+    /// lamp's face; each once), where the slices of lamps in silhouettes begin (4 N bytes, once for each ratio of far to near distance), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
     /// MB for each face).
     #[must_use]
     pub fn new(file: &ShadowFile, wants_enters: impl Fn(LightShadow<'_>) -> bool) -> Self {
         let mut tables = Self::none();
-        let mut grids_made = BTreeMap::new();
+        let (mut grids_made, mut tables_made) = (BTreeMap::new(), BTreeMap::new());
         for light in file.lights() {
             let first_face = tables.words.len() as u32;
             let record = light.record();
@@ -221,7 +222,8 @@ impl Tables {
                 Some(enters) if wants_enters(light) => tables.enters(&enters[light.index].faces),
                 _ => 0,
             };
-            tables.lights.push(At { first_face, enters });
+            let slices = tables.slices(&mut tables_made, &file.slices[light.index]);
+            tables.lights.push(At { first_face, enters, slices });
         }
         tables
     }
@@ -242,6 +244,18 @@ impl Tables {
         *made.entry(core::ptr::from_ref(grid)).or_insert_with(|| {
             let at = self.words.len() as u32;
             self.words.extend_from_slice(grid.cells());
+            at
+        })
+    }
+
+    /// The beginnings of a light's slices, each table once; 0 where there are none.
+    fn slices(&mut self, made: &mut BTreeMap<*const u32, u32>, begins: &[u32]) -> u32 {
+        if begins.is_empty() {
+            return 0;
+        }
+        *made.entry(begins.as_ptr()).or_insert_with(|| {
+            let at = self.words.len() as u32;
+            self.words.extend_from_slice(begins);
             at
         })
     }
@@ -267,7 +281,8 @@ pub struct GpuLight {
     pub row_y: [f32; 4],
     /// Third row.
     pub row_z: [f32; 4],
-    /// Directional: whole part of the reference point's voxel coordinates.
+    /// Directional: whole part of the reference point's voxel coordinates. Local: in the last word, where the beginnings of its slices are in
+    /// the tables; 0 for none.
     pub whole: [i32; 4],
     /// Directional: their fraction. Local: the reference point in the light's axes, metres.
     pub fraction: [f32; 4],
@@ -333,8 +348,8 @@ impl GpuLight {
             ..Self::default()
         };
         if light.is_local() {
-            return Self { fraction: [reference.x as f32, reference.y as f32, reference.z as f32, 0.0], ..common }
-                .with_depths(light);
+            let fraction = [reference.x as f32, reference.y as f32, reference.z as f32, 0.0];
+            return Self { fraction, whole: [0, 0, 0, at.slices as i32], ..common }.with_depths(light);
         }
         // Whole parts far from any grid saturate: nothing there is inside.
         let whole = reference.to_array().map(|c| libm::floor(c).clamp(-1e9, 1e9));

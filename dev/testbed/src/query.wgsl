@@ -51,6 +51,7 @@ fn answer(q: Query) -> array<u32, 8> {
             var walk: AntumbraWalk;
             walk.level = light.log2_resolution;
             walk.log2_side = light.log2_resolution;
+            walk.slices = face.slices;
             walk.nodes[walk.level] = face.root;
             // A second descent begins where the first ended.
             let elsewhere = antumbra_cell(&walk, vec3<u32>(q.voxel) ^ vec3(5u, 9u, 12u));

@@ -6,6 +6,7 @@
 //! step at which each begins: slices are then as exact as depths are, whatever logarithm made the table.
 
 use antumbra::DepthDistribution;
+use antumbra::format::slices::{Spread, begin};
 
 use super::{DEPTH_BITS, Resolution};
 
@@ -24,6 +25,9 @@ struct Table {
     /// For each bucket of depths, the slice of its nearest step.
     buckets: Vec<u32>,
     index: BucketIndex,
+    /// From one slice to the next the steps that remain to infinity shrink by e to this, or they grow by so many.
+    decay: f64,
+    width: f64,
 }
 
 /// How depths fall into buckets.
@@ -53,19 +57,19 @@ impl Slices {
     #[must_use]
     pub fn local(resolution: Resolution, far_over_near: f64, distribution: DepthDistribution) -> Self {
         let n = resolution.texels();
-        let log_ratio = libm::log(far_over_near);
-        let share = |slice: u32| match distribution {
-            DepthDistribution::Ndc => f64::from(slice) / f64::from(n) * (1.0 - 1.0 / far_over_near),
-            _ => -libm::expm1(-f64::from(slice) / f64::from(n) * log_ratio),
-        };
-        let begins: Vec<u32> =
-            (0..=n).map(|slice| (share(slice) * DEPTH_STEPS).ceil().min(DEPTH_STEPS - 1.0) as u32).collect();
-        let index = match distribution {
-            DepthDistribution::Ndc => BucketIndex::Even { shift: resolution.slice_shift().saturating_sub(1) },
-            _ => BucketIndex::Logarithmic { fraction_bits: resolution.log2().saturating_sub(2).max(4) },
+        let begins: Vec<u32> = (0..=n).map(|slice| begin(slice, n, far_over_near, distribution)).collect();
+        let (index, decay, width) = match distribution {
+            DepthDistribution::Ndc => {
+                let width = (1.0 - 1.0 / far_over_near) / f64::from(n) * DEPTH_STEPS;
+                (BucketIndex::Even { shift: resolution.slice_shift().saturating_sub(1) }, 0.0, width)
+            }
+            _ => {
+                let fraction_bits = resolution.log2().saturating_sub(2).max(4);
+                (BucketIndex::Logarithmic { fraction_bits }, libm::log(far_over_near) / f64::from(n), 0.0)
+            }
         };
         let buckets = index.buckets(&begins);
-        Self { resolution, table: Some(Table { begins, buckets, index }) }
+        Self { resolution, table: Some(Table { begins, buckets, index, decay, width }) }
     }
 
     /// Texels per side and slices.
@@ -149,10 +153,64 @@ impl Slices {
         if self.table.is_none() { 1.0 / 256.0 } else { 1.0 }
     }
 
+    /// The same, as lookups of planes want them.
+    #[must_use]
+    pub fn spread(&self) -> Spread<'_> {
+        match &self.table {
+            None => Spread::Even(self.resolution.texels()),
+            Some(table) => Spread::Steps(&table.begins[..table.begins.len() - 1]),
+        }
+    }
+
+    /// What a depth becomes, in units, if it is moved away by so many slices: its own share of it, and what is added. Planes stay planes.
+    #[inline]
+    #[must_use]
+    pub fn moved_by(&self, slices: f64) -> Moved {
+        match &self.table {
+            None => Moved { share: 1.0, more: slices },
+            Some(table) => {
+                // The steps to infinity shrink.
+                let share = libm::exp(-slices * table.decay);
+                Moved { share, more: -libm::expm1(-slices * table.decay) * DEPTH_STEPS + slices * table.width }
+            }
+        }
+    }
+
+    /// By how much the depth of a deep plane's value lies behind that of the same value of another: half a slice, as [`Spread`] has it.
+    #[inline]
+    #[must_use]
+    pub fn half_of_deep(&self) -> Moved {
+        match &self.table {
+            None => Moved { share: 1.0, more: 0.0 },
+            Some(table) => {
+                // The middle between a slice's beginning and that of the one before.
+                let share = 2.0 / (1.0 + libm::exp(table.decay));
+                Moved { share, more: (1.0 - share) * DEPTH_STEPS + 0.5 * table.width }
+            }
+        }
+    }
+
     /// Bytes that the table takes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.table.as_ref().map_or(0, |table| 4 * (table.begins.len() + table.buckets.len()) as u64)
+    }
+}
+
+/// A linear function of a depth in units.
+#[derive(Clone, Copy, Debug)]
+pub struct Moved {
+    /// Its slope.
+    pub share: f64,
+    more: f64,
+}
+
+impl Moved {
+    /// The depth that a depth becomes.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(self, depth: f64) -> f64 {
+        depth * self.share + self.more
     }
 }
 

@@ -29,14 +29,30 @@ impl Forms<'_> {
         edge_form(key, self.slices.resolution())
     }
 
+    /// The deep form of a plane.
+    #[inline(always)]
+    pub fn deep(&self, form: Form) -> Form {
+        self.slices.spread().deep(form)
+    }
+
+    /// A deep form's depth, in units, as that of a plane which is as deep.
+    #[inline]
+    pub fn of_deep(&self, units: f64) -> f64 {
+        self.slices.half_of_deep().of(units)
+    }
+
     /// A plane's depths over a tile's corners.
     fn over(&self, plane: PlaneKey, tile: Tile) -> Option<Over> {
-        let at = |form: Form| corners(tile).map(|texel| i128::from(form.at(texel)) << (32 - form.shift));
+        let plain = |form: Form| Ends::new(form, tile);
+        let deep = |form: Form| {
+            let ends = Ends::new(self.deep(form), tile);
+            if self.slices.are_even() { Some(ends) } else { ends.as_plain(self) }
+        };
         let own = self.plane(plane)?;
         Some(match plane.back {
-            AS_IT_IS => Over { forms: [at(own); 3], is_wedge: false },
-            DEEP => Over { forms: [at(own.deep()); 3], is_wedge: false },
-            _ => Over { forms: [at(own), at(own.deep()), at(self.back(plane)?)], is_wedge: true },
+            AS_IT_IS => Over { forms: [plain(own); 3], is_wedge: false },
+            DEEP => Over { forms: [deep(own)?; 3], is_wedge: false },
+            _ => Over { forms: [plain(own), deep(own)?, plain(self.back(plane)?)], is_wedge: true },
         })
     }
 
@@ -47,47 +63,87 @@ impl Forms<'_> {
             return true;
         }
         let Some(own) = self.over(plane, tile) else { return false };
-        let [low, high] = [set.low, set.high].map(|depth| [i128::from(depth) << 32; 4]);
         let known = || set.planes().filter_map(|known| self.over(known, tile));
-        let is_late =
-            own.is_behind(&low) || known().any(|known| known.groups().all(|g| g.iter().any(|f| own.is_behind(f))));
+        let is_late = set.low == 0
+            || own.is_behind(&Ends::constant(self.first_value(set.low)))
+            || known().any(|known| known.groups().all(|g| g.iter().any(|f| own.is_behind(f))));
+        let is_early = || {
+            // Values below the next whole one are rounded down.
+            let last = (self.first_value(set.high + 1) << FRACTION_BITS) - 1;
+            own.is_before(&Ends { at: [last; 4], slack: 0 })
+        };
         let ends = set.high >= self.slices.resolution().texels();
-        // Depths below the next whole one are rounded down.
-        let high = high.map(|depth| depth | 0xffff_ffff);
-        is_late && (ends || own.is_before(&high) || known().any(|known| own.is_before_other(&known)))
+        is_late && (ends || is_early() || known().any(|known| own.is_before_other(&known)))
+    }
+
+    /// The least whole value of a plane whose depth is so deep, 1 to N.
+    pub fn first_value(&self, depth: u32) -> i128 {
+        self.slices.spread().least_behind(depth - 1)[0].into()
     }
 }
 
-/// Depths over a tile's corners in parts of 2^-32 of a slice: the greatest of groups, each the least of its forms.
+/// Bits of a value's fraction.
+const FRACTION_BITS: u32 = 32;
+/// By how much a deep plane's value, in lattice steps, may lie off that of the plane which is as deep: beginnings of slices are whole.
+const DEEP_STEPS: i128 = 2;
+
+/// A plane's values over a tile's corners, in parts of 2^-32 of a unit, and by how much they may be off.
+#[derive(Clone, Copy)]
+struct Ends {
+    at: [i128; 4],
+    slack: i128,
+}
+
+impl Ends {
+    fn new(form: Form, tile: Tile) -> Self {
+        let at = corners(tile).map(|texel| i128::from(form.at(texel)) << (FRACTION_BITS - form.shift));
+        Self { at, slack: 0 }
+    }
+
+    fn constant(value: i128) -> Self {
+        Self { at: [value << FRACTION_BITS; 4], slack: 0 }
+    }
+
+    /// Of a deep plane in lattice steps: as those of a plane. `None` before the first slice, which counts no half.
+    fn as_plain(self, forms: &Forms<'_>) -> Option<Self> {
+        let one = (1i64 << FRACTION_BITS) as f64;
+        let plain = |value: i128| (forms.of_deep(value as f64 / one) * one) as i128;
+        let is_inside = self.at.iter().all(|value| *value >= 0);
+        is_inside.then(|| Self { at: self.at.map(plain), slack: DEEP_STEPS << FRACTION_BITS })
+    }
+
+    fn is_before(&self, other: &Self) -> bool {
+        let slack = self.slack + other.slack;
+        self.at.iter().zip(&other.at).all(|(a, b)| a + slack <= *b)
+    }
+}
+
+/// A plane's values: the greatest of groups, each the least of its forms.
 struct Over {
     /// Of a wedge: the front, the front's deep form, and the back.
-    forms: [[i128; 4]; 3],
+    forms: [Ends; 3],
     is_wedge: bool,
 }
 
 impl Over {
-    fn groups(&self) -> impl Iterator<Item = &[[i128; 4]]> {
+    fn groups(&self) -> impl Iterator<Item = &[Ends]> {
         let (front, rest) = self.forms.split_at(1);
         [front, rest].into_iter().take(if self.is_wedge { 2 } else { 1 })
     }
 
     /// Whether it lies behind a plane.
-    fn is_behind(&self, plane: &[i128; 4]) -> bool {
-        self.groups().any(|group| group.iter().all(|form| is_below(plane, form)))
+    fn is_behind(&self, plane: &Ends) -> bool {
+        self.groups().any(|group| group.iter().all(|form| plane.is_before(form)))
     }
 
     /// Whether it lies before a plane.
-    fn is_before(&self, plane: &[i128; 4]) -> bool {
-        self.groups().all(|group| group.iter().any(|form| is_below(form, plane)))
+    fn is_before(&self, plane: &Ends) -> bool {
+        self.groups().all(|group| group.iter().any(|form| form.is_before(plane)))
     }
 
     fn is_before_other(&self, other: &Self) -> bool {
         self.groups().all(|group| group.iter().any(|form| other.is_behind(form)))
     }
-}
-
-fn is_below(a: &[i128; 4], b: &[i128; 4]) -> bool {
-    a.iter().zip(b).all(|(a, b)| a <= b)
 }
 
 /// First and last texels of a tile, x fastest.

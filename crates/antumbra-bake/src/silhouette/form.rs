@@ -50,10 +50,12 @@ impl PlaneKey {
 
 /// Bits of a plane's slopes.
 const SLOPE_BITS: i32 = 30;
-/// Most bits behind a plane's binary point.
-const MOST_SHIFT: i32 = 30;
+/// Most bits behind the binary point of planes that count in slices, and of those that count in lattice steps.
+const MOST_SHIFT: [i32; 2] = [30, 22];
 /// Bits of a slice that a hair is.
 const HAIR_BITS: u32 = 12;
+/// A hair in lattice steps.
+const HAIR_STEPS: i64 = 8;
 
 /// The form whose sign is an edge's side: not negative to the left of the way from the key's first end to its second, by the
 /// rasteriser's own rule for points on the edge.
@@ -72,27 +74,29 @@ fn exponent(number: f64) -> i32 {
     (number.to_bits() >> 52) as i32 - 1023
 }
 
-/// A triangle's plane in slices, where those are even and the plane is not too steep.
+/// A triangle's plane, unless it is too steep: in slices where those are even, else in lattice steps.
 pub(crate) fn plane_form(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
-    if !slices.are_even() || triangle.is_edge_on() {
+    if triangle.is_edge_on() {
         return None;
     }
+    if slices.are_even() { plane_in_slices(triangle, side, slices) } else { plane_in_steps(triangle, side, slices) }
+}
+
+/// A plane's slopes from one texel to the next, and the bits behind their binary point, at least so many.
+fn rounded_slopes(slope: [f64; 2], least_shift: u32, most_shift: i32) -> Option<([i64; 2], u32)> {
+    let steepest = slope[0].abs().max(slope[1].abs());
+    let shift = if steepest > 0.0 { SLOPE_BITS - 1 - exponent(steepest) } else { most_shift };
+    let shift = u32::try_from(shift.min(most_shift)).ok().filter(|shift| *shift >= least_shift)?;
+    let one = (1i64 << shift) as f64;
+    Some((slope.map(|s| (s * one).round_ties_even() as i64), shift))
+}
+
+fn plane_in_slices(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
     let resolution = slices.resolution();
     let steps = resolution.texel_steps();
-    let slope = triangle.slope.map(|s| s * steps as f64);
-    let steepest = slope[0].abs().max(slope[1].abs());
-    let shift = if steepest > 0.0 { SLOPE_BITS - 1 - exponent(steepest) } else { MOST_SHIFT };
-    let shift = shift.min(MOST_SHIFT);
-    if shift < HAIR_BITS as i32 {
-        return None;
-    }
-    let shift = shift as u32;
-    let one = (1i64 << shift) as f64;
-    let [a, b] = slope.map(|s| (s * one).round_ties_even() as i64);
-    let half = steps / 2;
-    let [dx, dy] = [i64::from(triangle.x[0]) - half, i64::from(triangle.y[0]) - half];
+    let ([a, b], shift) = rounded_slopes(triangle.slope.map(|s| s * steps as f64), HAIR_BITS, MOST_SHIFT[0])?;
     let at_corner = (i64::from(triangle.z[0]) << shift) >> resolution.slice_shift();
-    let surface = at_corner - (a * dx + b * dy).div_euclid(steps);
+    let surface = at_first_texel(triangle, [a, b], at_corner, steps);
     let (hair, half_slice) = (1i64 << (shift - HAIR_BITS), 1i64 << (shift - 1));
     let c = match side {
         Side::Behind => surface + (1 << shift),
@@ -100,4 +104,20 @@ pub(crate) fn plane_form(triangle: &BuildTriangle, side: Side, slices: &Slices) 
         Side::Before => surface - half_slice,
     };
     Some(Form { a: a as i32, b: b as i32, c, shift })
+}
+
+fn plane_in_steps(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
+    let steps = slices.resolution().texel_steps();
+    // The first shadowed slice is the next to the value's.
+    let moved = slices.moved_by(if side == Side::Before { -1.5 } else { 0.0 });
+    let ([a, b], shift) = rounded_slopes(triangle.slope.map(|s| s * steps as f64 * moved.share), 0, MOST_SHIFT[1])?;
+    let at_corner = (moved.of(f64::from(triangle.z[0])) * (1i64 << shift) as f64) as i64;
+    let hair = if side == Side::Past { HAIR_STEPS << shift } else { 0 };
+    Some(Form { a: a as i32, b: b as i32, c: at_first_texel(triangle, [a, b], at_corner, steps) + hair, shift })
+}
+
+/// A plane's value at the first texel's centre, given that at the triangle's first corner.
+fn at_first_texel(triangle: &BuildTriangle, [a, b]: [i64; 2], at_corner: i64, steps: i64) -> i64 {
+    let [dx, dy] = [triangle.x[0], triangle.y[0]].map(|c| i64::from(c) - steps / 2);
+    at_corner - (a * dx + b * dy).div_euclid(steps)
 }

@@ -1,6 +1,8 @@
 //! Planes in gaps: of tiles in which one constant would do, since it lies behind some surfaces and before others.
 
-use super::accept::Forms;
+use antumbra::format::silhouette::Form;
+
+use super::accept::{Forms, corners};
 use super::form::{PlaneKey, Side};
 use super::sketch::Set;
 use crate::columns::{Entry, Tile};
@@ -9,103 +11,122 @@ use crate::columns::{Entry, Tile};
 const MOST_LOOKED_AT: usize = 64;
 /// Fronts and backs that are tried.
 const MOST_SIDES: usize = 6;
-/// How far planes keep from surfaces, in slices: see [`Side::Before`].
-const HALF: f64 = 0.5;
-/// What deep planes add beside, in slices.
-const WIDENING: f64 = 1.0 / 256.0;
-/// What [`Side::Past`] adds, in slices.
-const PAST: f64 = 1.0 / 4096.0;
-/// More than depths in double precision err by, in slices.
-const ERROR: f64 = 1.0 / 8192.0;
+/// More than depths in double precision err by: in slices, and in lattice steps, in whole ones of which a local light's slices begin.
+const ERROR: [f64; 2] = [1.0 / 8192.0, 3.0];
 
 /// Adds planes that are right in a tile whose constants lie in a gap: behind all that lies before the gap, before all that lies
 /// behind it. What is no longer in the list lies no nearer than `clamp`.
 pub(crate) fn add_planes(forms: &Forms<'_>, set: &mut Set, tile: Tile, (entries, clamp): (&[Entry], u32)) {
-    if !forms.slices.are_even() || entries.len() > MOST_LOOKED_AT {
+    if entries.len() > MOST_LOOKED_AT {
         return;
     }
-    let at = tile.corners(forms.slices.resolution());
-    let Some(mut gap) = Gap::new(forms, entries, set, &at) else { return };
+    let Some(mut gap) = Gap::new(forms, entries, set, tile) else { return };
     if clamp < forms.slices.resolution().texels() {
-        gap.behind.push([f64::from(clamp); 4]);
+        gap.behind.push([forms.first_value(clamp + 1) as f64 - gap.error; 4]);
     }
-    let [fronts, backs] = [&gap.fronts, &gap.backs].map(|side| &side[..side.len().min(MOST_SIDES)]);
-    // Just behind a front that lies behind all others, or just before a back that lies before all others.
-    let is_last = |front: &&GapSide| gap.before.iter().all(|(other, _)| is_behind(&front.at, other, PAST));
-    let is_before = |front: &GapSide, by: f64, other: &Depths| is_behind(other, &front.at, -(1.0 + PAST + by));
-    for front in fronts {
-        let deep = front.rise + HALF + WIDENING;
-        let is_deep = gap.before.iter().all(|(other, rise)| is_behind(&front.at, other, deep - rise));
-        if is_deep && gap.behind.iter().all(|other| is_before(front, deep, other)) {
+    // Just behind a front, or deep behind it, and before all that lies behind the gap.
+    for front in &gap.fronts {
+        let is_deep = front.deep.is_some_and(|deep| gap.is_after(&deep, true) && gap.is_first(&deep));
+        if is_deep {
             set.push(PlaneKey::deep(front.triangle, Side::Past));
         }
     }
-    for back in backs {
-        let is_first = gap.behind.iter().all(|other| is_behind(other, &back.at, HALF));
-        if is_first && gap.before.iter().all(|(other, rise)| is_behind(&back.at, other, -(HALF + 1.0 + rise))) {
-            set.push(PlaneKey::new(back.triangle, Side::Before));
+    for (back, before) in &gap.backs {
+        if gap.is_first(before) && gap.is_after(before, true) {
+            set.push(PlaneKey::new(*back, Side::Before));
         }
     }
-    for front in fronts.iter().filter(is_last) {
-        let deep = front.rise + HALF + WIDENING;
-        for back in backs {
-            let fits = |other: &Depths| {
-                is_before(front, deep, other) || (is_before(front, 0.0, other) && is_behind(other, &back.at, HALF))
-            };
+    for front in gap.fronts.iter().filter(|front| gap.is_after(&front.past, false)) {
+        let Some(deep) = front.deep else { continue };
+        for (back, before) in &gap.backs {
+            let is_before = |depths: &Depths, other: &Depths| is_behind(other, depths, gap.error);
+            let fits = |other| is_before(&deep, other) || (is_before(&front.past, other) && is_before(before, other));
             if gap.behind.iter().all(fits) {
-                set.push(PlaneKey::wedge(front.triangle, back.triangle));
+                set.push(PlaneKey::wedge(front.triangle, *back));
             }
         }
     }
 }
 
-/// Depths at a tile's corners, in slices.
+/// Values of planes at a tile's corners, in units.
 type Depths = [f64; 4];
 
-/// Whether a plane, moved away by so many slices, lies behind another one.
-fn is_behind(a: &Depths, b: &Depths, by: f64) -> bool {
-    a.iter().zip(b).all(|(a, b)| a + by >= b + ERROR)
+/// Whether a plane lies behind another one.
+fn is_behind(a: &Depths, b: &Depths, error: f64) -> bool {
+    a.iter().zip(b).all(|(a, b)| *a >= b + error)
 }
 
-/// A triangle at a gap.
-struct GapSide {
+/// A triangle before a gap, where rays enter a solid: the plane past it, and its deep one as a plane that is as deep.
+struct Front {
     triangle: u32,
-    at: Depths,
-    rise: f64,
+    past: Depths,
+    deep: Option<Depths>,
 }
 
 /// What lies before a gap and behind it.
 struct Gap {
-    fronts: Vec<GapSide>,
-    backs: Vec<GapSide>,
-    /// Everything before, and how far behind its depth at a texel's centre it may begin a solid.
-    before: Vec<(Depths, f64)>,
+    fronts: Vec<Front>,
+    /// Triangles where rays leave, and the planes before them.
+    backs: Vec<(u32, Depths)>,
+    /// What a plane has to lie behind: just behind everything before, at texels' centres and wherever in texels it may begin a solid.
+    before: Vec<[Depths; 2]>,
+    /// What a plane has to lie before.
     behind: Vec<Depths>,
+    error: f64,
 }
 
 impl Gap {
     /// `None` where something cannot be told.
-    fn new(forms: &Forms<'_>, entries: &[Entry], set: &Set, corners: &[[f64; 2]; 4]) -> Option<Self> {
-        let mut gap = Self { fronts: Vec::new(), backs: Vec::new(), before: Vec::new(), behind: Vec::new() };
-        let (units, texel) = (forms.slices.units_per_step(), forms.slices.resolution().texel_steps() as f64);
+    fn new(forms: &Forms<'_>, entries: &[Entry], set: &Set, tile: Tile) -> Option<Self> {
+        let slices = forms.slices;
+        let (units, texel) = (slices.units_per_step(), slices.resolution().texel_steps() as f64);
+        let error = ERROR[usize::from(!slices.are_even())];
+        let mut gap = Self { fronts: Vec::new(), backs: Vec::new(), before: Vec::new(), behind: Vec::new(), error };
+        let at_corners = tile.corners(slices.resolution());
+        // A plane's depth is the slice of its value, of a local light the next to it.
+        let [next, own] = [1.0, 0.0].map(|by| slices.moved_by(if slices.are_even() { by } else { by - 1.0 }));
         for entry in entries {
             let t = &forms.triangles[entry.triangle as usize];
             if t.is_edge_on() {
                 return None;
             }
-            let at = corners.map(|p| t.depth(p, units));
-            let side = |rise| GapSide { triangle: entry.triangle, at, rise };
-            let rise = t.rise(texel, forms.slices);
+            let at = at_corners.map(|p| t.depth(p, units));
+            let values = |form: Form| {
+                let one = (1i64 << form.shift) as f64;
+                corners(tile).map(|texel| form.at(texel) as f64 / one)
+            };
             if entry.last < set.low {
-                gap.before.push((at, if t.winding() == 1 { rise } else { 0.0 }));
-                gap.fronts.extend((t.winding() == 1).then(|| side(rise)));
+                let rise = if t.winding() == 1 { t.rise(texel, slices) } else { 0.0 };
+                gap.before.push([at.map(|d| next.of(d)), at.map(|d| next.of(d + rise))]);
+                let is_wanted = t.winding() == 1 && gap.fronts.len() < MOST_SIDES;
+                let past = PlaneKey::new(entry.triangle, Side::Past);
+                if let Some(form) = forms.plane(past).filter(|_| is_wanted) {
+                    let deep = values(forms.deep(form));
+                    let is_inside = slices.are_even() || deep.iter().all(|value| *value >= 0.0);
+                    let deep = is_inside.then(|| deep.map(|value| forms.of_deep(value)));
+                    gap.fronts.push(Front { triangle: entry.triangle, past: values(form), deep });
+                }
             } else if entry.first >= set.high {
-                gap.behind.push(at);
-                gap.backs.extend((t.winding() == -1).then(|| side(rise)));
+                gap.behind.push(at.map(|d| own.of(d)));
+                let is_wanted = t.winding() == -1 && gap.backs.len() < MOST_SIDES;
+                let before = PlaneKey::new(entry.triangle, Side::Before);
+                if let Some(form) = forms.plane(before).filter(|_| is_wanted) {
+                    gap.backs.push((entry.triangle, values(form)));
+                }
             } else {
                 return None;
             }
         }
         Some(gap)
+    }
+
+    /// Whether a plane lies behind everything before the gap: behind what begins solids anywhere in texels, or at their centres.
+    fn is_after(&self, plane: &Depths, anywhere: bool) -> bool {
+        self.before.iter().all(|before| is_behind(plane, &before[usize::from(anywhere)], self.error))
+    }
+
+    /// Whether a plane lies before everything behind the gap.
+    fn is_first(&self, plane: &Depths) -> bool {
+        self.behind.iter().all(|behind| is_behind(behind, plane, self.error))
     }
 }

@@ -1,6 +1,7 @@
 //! Leaves: 8 x 8 texels, from their rays' intervals to the fewest edges that part them into regions of one depth each.
 
 use antumbra::format::silhouette::Form;
+use antumbra::format::slices::Spread;
 
 use super::accept::{Forms, corners};
 use super::form::{DEEP, EdgeKey, PlaneKey, Side};
@@ -14,6 +15,8 @@ const MOST_EDGES: usize = 10;
 const MOST_PLANES: usize = 16;
 /// Fronts and backs that wedges are tried of.
 const MOST_SIDES: usize = 4;
+/// Depths over more slices than this are looked up one by one.
+const MOST_COUNTED: u32 = 16;
 /// Triangles that are looked at.
 const MOST_TRIANGLES: usize = 48;
 
@@ -130,7 +133,7 @@ struct Planes<'a> {
 /// Planes of the leaf's triangles that are right somewhere, and where.
 #[inline(always)]
 fn planes(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(PlaneKey, u64)> {
-    let slices = forms.slices.resolution().texels();
+    let spread = forms.slices.spread();
     let mut planes = Planes { enter, exit, found: Vec::new(), fronts: Vec::new(), backs: Vec::new() };
     for entry in entries {
         if planes.found.len() >= MOST_PLANES {
@@ -144,11 +147,11 @@ fn planes(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms:
         };
         let key = PlaneKey::new(entry.triangle, side);
         let Some(form) = forms.plane(key) else { continue };
-        let own = depths_at(&form, leaf, slices);
+        let own = depths_at(&form, leaf, spread, false);
         if winding == -1 {
             planes.backs.push((entry.triangle, own));
         } else {
-            let deep = depths_at(&form.deep(), leaf, slices);
+            let deep = depths_at(&spread.deep(form), leaf, spread, true);
             planes.push(PlaneKey { back: DEEP, ..key }, &deep);
             planes.fronts.extend((winding == 1).then_some((entry.triangle, [own, deep])));
         }
@@ -191,9 +194,29 @@ fn values(form: &Form, leaf: Leaf<'_>) -> [i64; 64] {
     std::array::from_fn(|i| corner + a * (i & 7) as i64 + b * (i >> 3) as i64)
 }
 
+/// A plane's depths at a leaf's texels, or a deep one's.
 #[inline(always)]
-fn depths_at(form: &Form, leaf: Leaf<'_>, slices: u32) -> Lanes {
-    values(form, leaf).map(|value| (value >> form.shift).clamp(0, i64::from(slices)) as u32)
+fn depths_at(form: &Form, leaf: Leaf<'_>, spread: Spread<'_>, is_deep: bool) -> Lanes {
+    let values = values(form, leaf).map(|value| value >> form.shift);
+    if matches!(spread, Spread::Even(_)) {
+        return values.map(|value| spread.depth(value));
+    }
+    let of = |value: i64| if is_deep { spread.depth_of_deep(value) } else { spread.depth(value) };
+    // Values are linear: corners bound the depths.
+    let at_corners = [values[0], values[7], values[56], values[63]];
+    let first = of(at_corners.into_iter().fold(i64::MAX, i64::min));
+    let last = of(at_corners.into_iter().fold(i64::MIN, i64::max));
+    if last - first > MOST_COUNTED {
+        return values.map(of);
+    }
+    let mut depths = [first; 64];
+    for slice in first..last {
+        let least = spread.least_behind(slice)[usize::from(is_deep)];
+        for (depth, value) in depths.iter_mut().zip(&values) {
+            *depth += u32::from(*value >= least);
+        }
+    }
+    depths
 }
 
 /// The mask whose bits are given as bytes, 0 or 1.

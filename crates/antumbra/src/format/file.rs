@@ -12,6 +12,7 @@ use super::light::{Encoding, LightRecord, MIN_LOG2_RESOLUTION};
 use super::packed;
 use super::section::{Entry, REQUIRED, read_table};
 use super::silhouette;
+use super::slices;
 use super::stat::BakeStats;
 use super::{ENTERS, LEVELS, MAX_LIGHTS};
 use crate::lookup::light::LightShadow;
@@ -27,6 +28,8 @@ pub struct ShadowFile {
     /// By light, then by face.
     pub(crate) top_grids: Vec<Vec<Arc<TopGrid>>>,
     pub(crate) projections: Vec<Projection>,
+    /// By light: where slices begin, of local lights in silhouettes.
+    pub(crate) slices: Vec<Arc<[u32]>>,
     /// By light, level (1 first) and face: roots of the coarse levels; no levels where the file has none.
     pub(crate) level_roots: Vec<Vec<Vec<u32>>>,
     pub(crate) level_grids: Vec<Vec<Vec<Arc<TopGrid>>>>,
@@ -40,7 +43,8 @@ pub struct ShadowFile {
 impl ShadowFile {
     /// Reads and validates a whole file: checksums, ranges, node kinds, no cycles. Linear in the file's size; copies
     /// the node pool once (or unpacks it) and makes a top grid for each face that is not homogeneous (128 KiB at N >= 256, 16 KiB for
-    /// each face of a cube, up to as much again for each coarse level; of silhouettes 256 KiB, 16 KiB, or a sixteenth of the pool).
+    /// each face of a cube, up to as much again for each coarse level; of silhouettes 256 KiB, 16 KiB, or a sixteenth of the pool). For lamps in
+    /// silhouettes it computes where slices begin: 4 N bytes, once for each ratio of far to near distance.
     ///
     /// # Errors
     /// [`FormatError`], which says what is wrong and what to do. Hostile bytes give an error, never a panic.
@@ -78,14 +82,18 @@ impl ShadowFile {
             Encoding::Silhouette => check_silhouettes(&pool, &records, section(&LEVELS)?)?,
         };
         let enters = section(&ENTERS)?.map(|bytes| enter::read(bytes, &records)).transpose()?;
-        let all_faces = records.iter().map(|record| record.face_roots().len()).sum();
+        let mut tables = slices::Tables::default();
         let is_flat = encoding == Encoding::Silhouette;
+        let slices = records.iter().map(|record| if is_flat { tables.of(record) } else { Ok(Arc::from([])) });
+        let slices = slices.collect::<Result<_, _>>()?;
+        let all_faces = records.iter().map(|record| record.face_roots().len()).sum();
         let mut grids = Grids { pool: &pool, is_flat, faces: all_faces, made: BTreeMap::new() };
         Ok(Self {
             counts,
             stats: stats.transpose()?,
             top_grids: records.iter().map(|record| grids.of_light(record)).collect(),
             projections: records.iter().map(Projection::new).collect(),
+            slices,
             level_grids: records.iter().zip(&level_roots).map(|(r, levels)| grids.of_levels(r, levels)).collect(),
             level_roots,
             enters,

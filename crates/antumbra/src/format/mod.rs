@@ -43,6 +43,7 @@ pub mod packed;
 pub mod reach;
 pub(crate) mod section;
 pub mod silhouette;
+pub mod slices;
 pub mod stat;
 pub mod write;
 

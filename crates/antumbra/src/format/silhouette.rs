@@ -22,8 +22,9 @@
 //!      3  bits 23..0: c, high word, signed; bits 31..24: shift, 0 to 31
 //! ```
 //!
-//! It is an *edge* (a texel lies to its left where v is not negative) or a *plane* (whose depth is v >> shift, rounded down and
-//! clamped to 0..N).
+//! It is an *edge* (a texel lies to its left where v is not negative) or a *plane*. A directional light's planes count in slices: their depth is
+//! v >> shift, rounded down and clamped to 0..N. A local light's count in steps of the lattice, where slices begin as
+//! [`super::slices`] says: their depth is the number of slices that begin at v >> shift or before.
 //!
 //! A **reference** says in its upper three bits what it is, and in the others where:
 //!
@@ -37,8 +38,9 @@
 //! 5 cross   a node of six words: two edges' numbers, and four references; bit i of their order is set to the left of edge i
 //! 6 masks   a node of 1 + 3n words: n from 1 to 64, and n times a depth, and a mask of 8 x 8 texels (low word first; bit 8 y + x) that
 //!           are lit behind it. Depths rise, masks shrink. Tiles of 8 x 8 texels alone
-//! 7 deep    a form's number: the plane half a slice behind its deepest point within each texel, (v + e) >> shift, where
-//!           e = (|a| + |b|) / 2 rounded down + 2^shift / 2 rounded down + 2^shift / 256 rounded down
+//! 7 deep    a form's number: the plane half a slice behind its deepest point within each texel. With v + e instead of v, where
+//!           e = (|a| + |b|) / 2 rounded down + 2^shift / 2 rounded down + 2^shift / 256 rounded down; of a local light
+//!           e = (|a| + |b|) / 2 rounded down + 2^shift, and each slice but the first counts from the middle of the one before on
 //! ```
 //!
 //! The references of cuts and crosses are depths, planes, deep planes or wedges. Voxel (x, y, z) is lit iff z is less than the depth at its texel.
@@ -153,22 +155,6 @@ impl Form {
     #[must_use]
     pub fn at(&self, [x, y]: [u32; 2]) -> i64 {
         i64::from(self.a) * i64::from(x) + i64::from(self.b) * i64::from(y) + self.c
-    }
-
-    /// The form half a slice behind a plane's deepest point within each texel.
-    #[inline(always)]
-    #[must_use]
-    pub fn deep(self) -> Self {
-        let one = 1i64 << self.shift;
-        let rise = (i64::from(self.a.unsigned_abs()) + i64::from(self.b.unsigned_abs())) >> 1;
-        Self { c: self.c + rise + (one >> 1) + (one >> 8), ..self }
-    }
-
-    /// A plane's depth at a texel: the first shadowed slice, 0 to `slices`.
-    #[inline(always)]
-    #[must_use]
-    pub fn depth(&self, texel: [u32; 2], slices: u32) -> u32 {
-        (self.at(texel) >> self.shift).clamp(0, i64::from(slices)) as u32
     }
 }
 

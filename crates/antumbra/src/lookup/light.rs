@@ -9,6 +9,7 @@ use super::point::is_lit;
 use super::project::{FacePoint, Place, Projection, VoxelFrame, clamp_to_volume};
 use super::silhouette::Slice;
 use super::top_grid::TopGrid;
+use crate::format::slices::Spread;
 use crate::{Encoding, Interior, LightKind, LightRecord, ShadowFile};
 
 /// A light of a [`ShadowFile`]. Cheap to copy.
@@ -142,7 +143,7 @@ impl<'a> LightShadow<'a> {
         let grid = self.top_grid(face);
         if self.is_silhouette() {
             let [x, y, z] = voxel;
-            return Slice::new(&self.file.pool, z, 0).is_lit(grid.node(voxel), grid.level, [x, y]);
+            return Slice::new(&self.file.pool, z, 0, self.spread()).is_lit(grid.node(voxel), grid.level, [x, y]);
         }
         is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)
     }
@@ -204,10 +205,19 @@ impl<'a> LightShadow<'a> {
         self.record().encoding == Encoding::Silhouette as u32
     }
 
+    /// How its slices follow one another, for planes.
+    #[inline(always)]
+    pub(crate) fn spread(self) -> Spread<'a> {
+        match &*self.file.slices[self.index] {
+            [] => Spread::Even(self.record().resolution()),
+            begins => Spread::Steps(begins),
+        }
+    }
+
     /// The nodes of a face.
     pub(crate) fn source(self, face: usize) -> pcf::Source<'a> {
-        let silhouette_stride = self.is_silhouette().then_some(0);
-        pcf::Source { pool: &self.file.pool, grid: self.top_grid(face), silhouette_stride }
+        let silhouette = self.is_silhouette().then(|| (0, self.spread()));
+        pcf::Source { pool: &self.file.pool, grid: self.top_grid(face), silhouette }
     }
 
     pub(crate) fn projection(self) -> &'a Projection {

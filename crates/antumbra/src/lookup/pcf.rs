@@ -9,6 +9,7 @@ use super::point::{child, descend, slice_mask};
 use super::silhouette::{self, Slice};
 use super::top_grid::TopGrid;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
+use crate::format::slices::Spread;
 
 /// Texels per side of a mask.
 const TILE: i32 = 8;
@@ -31,8 +32,8 @@ struct Window<'a> {
 pub(crate) struct Source<'a> {
     pub pool: &'a [u32],
     pub grid: &'a TopGrid,
-    /// Of silhouettes: log2 of how far the taps lie apart, on a coarse level.
-    pub silhouette_stride: Option<u32>,
+    /// Of silhouettes: log2 of how far the taps lie apart, on a coarse level, and their slices.
+    pub silhouette: Option<(u32, Spread<'a>)>,
 }
 
 /// Weights of a window's taps.
@@ -58,7 +59,7 @@ pub(crate) fn weights(source: Source<'_>, side: u32, voxel: DVec3, filter: Filte
     let all = filter.axis_weight() * filter.axis_weight();
     let Some(window) = Window::new(source.pool, side, voxel, filter) else { return Weights { lit: 0, inside: 0, all } };
     let grid = source.grid;
-    let lit = source.silhouette_stride.map_or_else(|| window.lit_weight(grid), |s| window.silhouette_weight(grid, s));
+    let lit = source.silhouette.map_or_else(|| window.lit_weight(grid), |s| window.silhouette_weight(grid, s));
     Weights { lit, inside: window.rectangle_weight(window.first, window.last), all }
 }
 
@@ -144,8 +145,8 @@ impl<'a> Window<'a> {
 
     /// The same of silhouettes, at texels 2^`stride` apart.
     #[inline]
-    fn silhouette_weight(&self, grid: &TopGrid, stride: u32) -> u32 {
-        let slice = Slice::new(self.pool, self.z, stride);
+    fn silhouette_weight(&self, grid: &TopGrid, (stride, spread): (u32, Spread<'_>)) -> u32 {
+        let slice = Slice::new(self.pool, self.z, stride, spread);
         let [first, last] = [self.first, self.last].map(|texel| texel.map(|c| c as u32));
         let mut window = silhouette::Window::new(first);
         // Cells of the top grid, or all of a coarse level whose texels are wider than they.

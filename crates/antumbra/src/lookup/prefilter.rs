@@ -107,7 +107,7 @@ impl<'a> LightShadow<'a> {
             (self.record().roots[face], self.record().log2_resolution)
         };
         if self.is_silhouette() {
-            return silhouette::mean(pool, node, from, level, voxel, self.record().resolution());
+            return silhouette::mean(pool, (node, from), level, voxel, self.spread());
         }
         match descend(pool, node, from, level.max(SLICE_LEVEL), voxel) {
             LIT => 1.0,
@@ -180,16 +180,16 @@ impl<'a> LightShadow<'a> {
     /// beside a directional light's grid.
     #[inline]
     fn filtered_on_level(self, at: FacePoint, filter: Filter, level: u32) -> f32 {
-        let stride = self.is_silhouette().then_some(level);
+        let silhouette = self.is_silhouette().then(|| (level, self.spread()));
         let grid = |face: usize| match level {
             0 => self.top_grid(face),
-            _ if stride.is_some() => self.top_grid(face),
+            _ if silhouette.is_some() => self.top_grid(face),
             _ => &self.coarse()[level as usize - 1][face],
         };
         let side = self.record().resolution() >> level;
         let scale = power_of_two(-(level as i32));
         let voxel = at.voxel * scale;
-        let source = pcf::Source { grid: grid(at.face), silhouette_stride: stride, pool: &self.file.pool };
+        let source = pcf::Source { grid: grid(at.face), silhouette, pool: &self.file.pool };
         let Weights { lit, inside, all } = pcf::weights(source, side, voxel, filter);
         if inside == all || !self.is_local() || at.voxel.z < 0.0 {
             return (lit + all - inside) as f32 / all as f32;

@@ -2,6 +2,7 @@
 //! of planes, in whole numbers.
 
 use crate::format::silhouette::{Form, Kind, kind, payload};
+use crate::format::slices::Spread;
 
 /// Descends from a tile of 2^`from` texels per side towards a texel, until a tile is no inner node or has 2^`to` texels per side.
 /// Coordinates may be the whole light's: only their low bits count. Returns the tile and its level.
@@ -24,39 +25,67 @@ fn region(pool: &[u32], tile: u32, texel: [u32; 2]) -> u32 {
     if kind(tile) == Kind::Cut { pool[at + 1 + left(0)] } else { pool[at + 2 + left(0) + 2 * left(1)] }
 }
 
-/// The two planes of a wedge.
-#[inline(always)]
-fn planes(pool: &[u32], wedge: u32) -> [Form; 2] {
-    [0, 1].map(|i| Form::read(pool, pool[payload(wedge) + i] as usize))
+/// A plane of a value, or its deep one.
+#[derive(Clone, Copy)]
+struct Plane {
+    form: Form,
+    is_deep: bool,
 }
 
-/// First shadowed slice of a texel, 0 to `slices`, below a tile of 2^`level` texels per side.
-#[inline(always)]
-pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], slices: u32) -> u32 {
-    let (tile, _) = descend(pool, tile, level, 0, texel);
-    let value = match kind(tile) {
-        Kind::Cut | Kind::Cross => region(pool, tile, texel),
-        Kind::Masks => return depth_by_masks(pool, tile, texel, slices),
-        _ => tile,
-    };
-    let at = payload(value);
-    match kind(value) {
-        Kind::Depth => at as u32,
-        Kind::Plane => Form::read(pool, at).depth(texel, slices),
-        Kind::Deep => Form::read(pool, at).deep().depth(texel, slices),
-        _ => {
-            let [front, back] = planes(pool, value);
-            wedge(&front, &back, texel, slices)
+/// What a reference to a depth stands for.
+enum Value {
+    Depth(u32),
+    Plane(Plane),
+    /// Of a wedge: max(front, min(deep, back)).
+    Wedge {
+        front: Plane,
+        deep: Plane,
+        back: Plane,
+    },
+}
+
+impl Value {
+    #[inline(always)]
+    fn read(pool: &[u32], value: u32, spread: Spread<'_>) -> Self {
+        let at = payload(value);
+        let plane = |number: usize| Plane { form: Form::read(pool, number), is_deep: false };
+        let deep = |plane: Plane| Plane { form: spread.deep(plane.form), is_deep: true };
+        match kind(value) {
+            Kind::Depth => Self::Depth(at as u32),
+            Kind::Plane => Self::Plane(plane(at)),
+            Kind::Deep => Self::Plane(deep(plane(at))),
+            _ => {
+                let [front, back] = [0, 1].map(|i| plane(pool[at + i] as usize));
+                Self::Wedge { front, deep: deep(front), back }
+            }
         }
     }
 }
 
-/// The depth between a front plane and a back plane.
+impl Plane {
+    /// The first shadowed slice where the form has some value.
+    #[inline(always)]
+    fn depth(&self, value: i64, spread: Spread<'_>) -> u32 {
+        let whole = value >> self.form.shift;
+        if self.is_deep { spread.depth_of_deep(whole) } else { spread.depth(whole) }
+    }
+}
+
+/// First shadowed slice of a texel, 0 to N, below a tile of 2^`level` texels per side.
 #[inline(always)]
-#[must_use]
-pub fn wedge(front: &Form, back: &Form, texel: [u32; 2], slices: u32) -> u32 {
-    let deep = front.deep().depth(texel, slices).min(back.depth(texel, slices));
-    deep.max(front.depth(texel, slices))
+pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread: Spread<'_>) -> u32 {
+    let (tile, _) = descend(pool, tile, level, 0, texel);
+    let value = match kind(tile) {
+        Kind::Cut | Kind::Cross => region(pool, tile, texel),
+        Kind::Masks => return depth_by_masks(pool, tile, texel, spread.count()),
+        _ => tile,
+    };
+    let of = |plane: Plane| plane.depth(plane.form.at(texel), spread);
+    match Value::read(pool, value, spread) {
+        Value::Depth(depth) => depth,
+        Value::Plane(plane) => of(plane),
+        Value::Wedge { front, deep, back } => of(deep).min(of(back)).max(of(front)),
+    }
 }
 
 fn turns(pool: &[u32], tile: u32) -> impl Iterator<Item = (u32, u64)> + '_ {
@@ -77,13 +106,17 @@ pub(crate) struct Slice<'a> {
     /// The slice, as the face counts them.
     z: u32,
     stride: u32,
+    spread: Spread<'a>,
+    /// The least whole values with which planes, and deep ones, lie behind it.
+    least_behind: [i64; 2],
 }
 
 impl<'a> Slice<'a> {
     /// Slice `z` of a level whose voxels are 2^`stride` of the face's wide.
     #[inline(always)]
-    pub fn new(pool: &'a [u32], z: u32, stride: u32) -> Self {
-        Self { pool, z: middle(z, stride), stride }
+    pub fn new(pool: &'a [u32], z: u32, stride: u32, spread: Spread<'a>) -> Self {
+        let z = middle(z, stride);
+        Self { pool, z, stride, spread, least_behind: spread.least_behind(z) }
     }
 
     /// The face's texel in the middle of a level's.
@@ -101,16 +134,11 @@ impl<'a> Slice<'a> {
             Kind::Masks => return self.turn(tile) >> (8 * (texel[1] & 7) + (texel[0] & 7)) & 1 != 0,
             _ => tile,
         };
-        let is_before = |form: Form| self.behind(form).at(texel) >= 0;
-        let at = payload(value);
-        match kind(value) {
-            Kind::Depth => self.z < at as u32,
-            Kind::Plane => is_before(Form::read(self.pool, at)),
-            Kind::Deep => is_before(Form::read(self.pool, at).deep()),
-            _ => {
-                let [front, back] = planes(self.pool, value);
-                is_before(front) || (is_before(back) && is_before(front.deep()))
-            }
+        let is_before = |plane: Plane| self.behind(plane).at(texel) >= 0;
+        match Value::read(self.pool, value, self.spread) {
+            Value::Depth(depth) => self.z < depth,
+            Value::Plane(plane) => is_before(plane),
+            Value::Wedge { front, deep, back } => is_before(front) || (is_before(back) && is_before(deep)),
         }
     }
 
@@ -193,24 +221,21 @@ impl<'a> Slice<'a> {
     /// Where a depth lies behind this slice.
     #[inline]
     fn lit_of_value(&self, value: u32, rectangle: [[u32; 2]; 2]) -> Lit {
-        let behind = |form: Form| self.not_negative(self.behind(form), rectangle);
-        let at = payload(value);
-        match kind(value) {
-            Kind::Depth if self.z < at as u32 => Lit::All,
-            Kind::Depth => Lit::None,
-            Kind::Plane => behind(Form::read(self.pool, at)),
-            Kind::Deep => behind(Form::read(self.pool, at).deep()),
-            _ => {
-                let [front, back] = planes(self.pool, value);
-                behind(front).choose(|| behind(back).choose(|| Lit::None, || behind(front.deep())), || Lit::All)
+        let behind = |plane: Plane| self.not_negative(self.behind(plane), rectangle);
+        match Value::read(self.pool, value, self.spread) {
+            Value::Depth(depth) if self.z < depth => Lit::All,
+            Value::Depth(_) => Lit::None,
+            Value::Plane(plane) => behind(plane),
+            Value::Wedge { front, deep, back } => {
+                behind(front).choose(|| behind(back).choose(|| Lit::None, || behind(deep)), || Lit::All)
             }
         }
     }
 
     /// The edge between the texels at which a plane lies behind this slice, to its left, and others: there it is not before the next.
     #[inline(always)]
-    fn behind(&self, plane: Form) -> Form {
-        Form { c: plane.c - (i64::from(self.z + 1) << plane.shift), ..plane }
+    fn behind(&self, Plane { form, is_deep }: Plane) -> Form {
+        Form { c: form.c - (self.least_behind[usize::from(is_deep)] << form.shift), ..form }
     }
 
     /// The texels of a rectangle at which a form is not negative.
@@ -325,14 +350,14 @@ impl Window {
 }
 
 /// The least and the greatest first shadowed slice over a rectangle of a leaf's texels, both ends in it; of masks the whole range.
-pub(crate) fn bounds(pool: &[u32], leaf: u32, rectangle: [[u32; 2]; 2], slices: u32) -> [u32; 2] {
+pub(crate) fn bounds(pool: &[u32], leaf: u32, rectangle: [[u32; 2]; 2], spread: Spread<'_>) -> [u32; 2] {
     let at = payload(leaf);
     // Which sides of an edge the rectangle touches: right, left.
     let touched = |i: usize| {
         let [least, greatest] = ends(&Form::read(pool, pool[at + i] as usize), rectangle);
         [least < 0, greatest >= 0]
     };
-    let part = |i: usize| bounds_of_value(pool, pool[at + i], rectangle, slices);
+    let part = |i: usize| bounds_of_value(pool, pool[at + i], rectangle, spread);
     let joint = |p: [u32; 2], q: [u32; 2]| [p[0].min(q[0]), p[1].max(q[1])];
     match kind(leaf) {
         Kind::Cut => match touched(0) {
@@ -343,23 +368,20 @@ pub(crate) fn bounds(pool: &[u32], leaf: u32, rectangle: [[u32; 2]; 2], slices: 
         Kind::Cross => {
             let sides = [touched(0), touched(1)];
             let parts = (0..4).filter(|i| sides[0][i & 1] && sides[1][i >> 1]);
-            parts.map(|i| part(2 + i)).fold([slices, 0], joint)
+            parts.map(|i| part(2 + i)).fold([spread.count(), 0], joint)
         }
-        Kind::Masks => [0, slices],
-        _ => bounds_of_value(pool, leaf, rectangle, slices),
+        Kind::Masks => [0, spread.count()],
+        _ => bounds_of_value(pool, leaf, rectangle, spread),
     }
 }
 
-fn bounds_of_value(pool: &[u32], value: u32, rectangle: [[u32; 2]; 2], slices: u32) -> [u32; 2] {
-    let of = |form: &Form| ends(form, rectangle).map(|v| (v >> form.shift).clamp(0, i64::from(slices)) as u32);
-    let at = payload(value);
-    match kind(value) {
-        Kind::Depth => [at as u32; 2],
-        Kind::Plane => of(&Form::read(pool, at)),
-        Kind::Deep => of(&Form::read(pool, at).deep()),
-        _ => {
-            let [front, back] = planes(pool, value);
-            let [before, deep, behind] = [of(&front), of(&front.deep()), of(&back)];
+fn bounds_of_value(pool: &[u32], value: u32, rectangle: [[u32; 2]; 2], spread: Spread<'_>) -> [u32; 2] {
+    let of = |plane: Plane| ends(&plane.form, rectangle).map(|value| plane.depth(value, spread));
+    match Value::read(pool, value, spread) {
+        Value::Depth(depth) => [depth; 2],
+        Value::Plane(plane) => of(plane),
+        Value::Wedge { front, deep, back } => {
+            let [before, deep, behind] = [front, deep, back].map(of);
             [0, 1].map(|end| before[end].max(deep[end].min(behind[end])))
         }
     }
@@ -381,17 +403,23 @@ pub(crate) fn middle(c: u32, stride: u32) -> u32 {
 
 /// A column about a voxel that no depth ends, below a tile of 2^`level` texels per side that is no inner node: as wide as the quadtree
 /// allows. Its level, and the least and the greatest depth in it, which are both before the voxel or both behind it.
-pub(crate) fn column(pool: &[u32], leaf: u32, mut level: u32, [x, y, z]: [u32; 3], slices: u32) -> (u32, [u32; 2]) {
+pub(crate) fn column(
+    pool: &[u32],
+    leaf: u32,
+    mut level: u32,
+    [x, y, z]: [u32; 3],
+    spread: Spread<'_>,
+) -> (u32, [u32; 2]) {
     while level > 0 {
         let first = [x, y].map(|c| c >> level << level);
         let last = first.map(|c| c + (1 << level) - 1);
-        let found = bounds(pool, leaf, [first, last], slices);
+        let found = bounds(pool, leaf, [first, last], spread);
         if z < found[0] || z >= found[1] {
             return (level, found);
         }
         level -= 1;
     }
-    (0, [depth(pool, leaf, 0, [x, y], slices); 2])
+    (0, [depth(pool, leaf, 0, [x, y], spread); 2])
 }
 
 /// log2 of the columns per side by which a cube's mean is measured.
@@ -399,7 +427,13 @@ const COLUMNS_LOG2: u32 = 3;
 
 /// Mean visibility of the cube of 2^`level` voxels per side that holds a voxel, below a tile of 2^`from` texels per side: over the lit
 /// length of each of its columns up to 8 x 8, and of wider ones over that of the 64 in the middles of its parts.
-pub(crate) fn mean(pool: &[u32], tile: u32, from: u32, level: u32, [x, y, z]: [u32; 3], slices: u32) -> f32 {
+pub(crate) fn mean(
+    pool: &[u32],
+    (tile, from): (u32, u32),
+    level: u32,
+    [x, y, z]: [u32; 3],
+    spread: Spread<'_>,
+) -> f32 {
     let (tile, at) = descend(pool, tile, from, level, [x, y]);
     let first = z >> level << level;
     let lit_of = |depth: u32| depth.saturating_sub(first).min(1 << level);
@@ -410,7 +444,7 @@ pub(crate) fn mean(pool: &[u32], tile: u32, from: u32, level: u32, [x, y, z]: [u
     let stride = level - log2;
     let corner = [x, y].map(|c| c >> level << log2);
     let columns = (0..1 << (2 * log2)).map(|i| [corner[0] + (i & ((1 << log2) - 1)), corner[1] + (i >> log2)]);
-    let depths = columns.map(|texel| depth(pool, tile, at, texel.map(|c| middle(c, stride)), slices));
+    let depths = columns.map(|texel| depth(pool, tile, at, texel.map(|c| middle(c, stride)), spread));
     let lit: u32 = depths.map(lit_of).sum();
     // No more bits than single precision holds.
     let bits = 2 * log2 + level;

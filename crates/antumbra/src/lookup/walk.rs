@@ -17,6 +17,7 @@ use super::silhouette;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
 use crate::format::light::MAX_LOG2_RESOLUTION;
 use crate::format::silhouette::{Kind, kind};
+use crate::format::slices::Spread;
 
 /// A box of voxels that are all lit or all shadowed.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +43,8 @@ pub(crate) struct Graph<'a> {
     pub root: u32,
     /// log2 of the root's voxels per side.
     pub log2: u32,
-    pub is_silhouette: bool,
+    /// Of silhouettes.
+    pub spread: Option<Spread<'a>>,
 }
 
 /// What is left of a walk.
@@ -159,8 +161,8 @@ impl<'a> Descent<'a> {
 
     /// The largest homogeneous box that the graph has about a voxel of the volume.
     fn cell(&mut self, voxel: [u32; 3]) -> Cell {
-        if self.graph.is_silhouette {
-            return self.cell_of_column(voxel);
+        if let Some(spread) = self.graph.spread {
+            return self.cell_of_column(voxel, spread);
         }
         let [dx, dy, dz] = [0, 1, 2].map(|axis| voxel[axis] ^ self.voxel[axis]);
         let shared = u32::BITS - (dx | dy | dz).leading_zeros();
@@ -178,8 +180,7 @@ impl<'a> Descent<'a> {
     }
 
     /// The column about a voxel before or behind the depths of silhouettes.
-    fn cell_of_column(&mut self, voxel: [u32; 3]) -> Cell {
-        let slices = 1 << self.graph.log2;
+    fn cell_of_column(&mut self, voxel: [u32; 3], spread: Spread<'_>) -> Cell {
         let (dx, dy) = (voxel[0] ^ self.voxel[0], voxel[1] ^ self.voxel[1]);
         let shared = u32::BITS - (dx | dy).leading_zeros();
         self.voxel = voxel;
@@ -190,9 +191,9 @@ impl<'a> Descent<'a> {
             self.nodes[level as usize] = tile;
         }
         self.level = level;
-        let (level, [least, greatest]) = silhouette::column(self.pool, tile, level, voxel, slices);
+        let (level, [least, greatest]) = silhouette::column(self.pool, tile, level, voxel, spread);
         let mut cell = cube(voxel, level, voxel[2] < least);
-        (cell.first[2], cell.end[2]) = if cell.lit { (0, least) } else { (greatest, slices) };
+        (cell.first[2], cell.end[2]) = if cell.lit { (0, least) } else { (greatest, spread.count()) };
         cell
     }
 
