@@ -8,8 +8,8 @@
 const ANTUMBRA_DEPTH: u32 = 0u;
 // v >> shift, in slices or in lattice steps.
 const ANTUMBRA_PLANE: u32 = 1u;
-// Two planes: max(front, min(front's deep one, back)).
-const ANTUMBRA_WEDGE: u32 = 2u;
+// Two planes: numbers of two, max(front, min(front's deep one, back)); or references, min(first, second).
+const ANTUMBRA_PAIR: u32 = 2u;
 // Four references, x fastest.
 const ANTUMBRA_INNER: u32 = 3u;
 // An edge, and references to its right and its left.
@@ -173,22 +173,28 @@ fn antumbra_part_at(leaf: u32, texel: vec2<u32>) -> u32 {
     return antumbra_part(leaf, edges, sides);
 }
 
-// How many planes a part has: of a wedge the front one, its deep one and the back one.
-fn antumbra_planes(part: u32) -> u32 {
-    return select(1u, 3u, antumbra_kind(part) == ANTUMBRA_WEDGE);
+// A part's planes are three, of which those that count have numbers from x to below y: max(plane 0, min(plane 1, plane 2)). Of a wedge that is the
+// front, its deep one and the back.
+fn antumbra_planes(part: u32) -> vec2<u32> {
+    if antumbra_kind(part) != ANTUMBRA_PAIR {
+        return vec2(0u, 1u);
+    }
+    let is_wedge = antumbra_kind(antumbra_word(antumbra_payload(part))) == ANTUMBRA_DEPTH;
+    return vec2(select(1u, 0u, is_wedge), 3u);
 }
 
 fn antumbra_plane(part: u32, i: u32, is_even: bool) -> AntumbraForm {
-    var number = antumbra_payload(part);
-    let is_wedge = antumbra_kind(part) == ANTUMBRA_WEDGE;
-    if is_wedge {
-        number = antumbra_word(number + i / 2u);
+    var plane = part;
+    var is_deep = false;
+    if antumbra_kind(part) == ANTUMBRA_PAIR {
+        plane = antumbra_word(antumbra_payload(part) + i / 2u);
+        is_deep = i == 1u && antumbra_kind(plane) == ANTUMBRA_DEPTH;
     }
-    let plane = antumbra_form(number);
-    if (is_wedge && i == 1u) || antumbra_kind(part) == ANTUMBRA_DEEP {
-        return antumbra_deep(plane, is_even);
+    let form = antumbra_form(antumbra_payload(plane));
+    if is_deep || antumbra_kind(plane) == ANTUMBRA_DEEP {
+        return antumbra_deep(form, is_even);
     }
-    return plane;
+    return form;
 }
 
 // The texels of a tile of masks that are lit in slice z.
@@ -216,15 +222,15 @@ fn antumbra_tile_is_lit(start: u32, level: u32, texel: vec2<u32>, slice: Antumbr
     if antumbra_kind(part) == ANTUMBRA_MASKS {
         return antumbra_bit(antumbra_turn(part, slice.z), texel);
     }
-    // Before the front plane, or before its deep one and the back one.
+    // Before the first plane, or before both others.
     let planes = antumbra_planes(part);
-    for (var i = 0u; i < planes; i++) {
+    for (var i = planes.x; i < planes.y; i++) {
         let is_before = antumbra_is_left(antumbra_behind(antumbra_plane(part, i, slice.is_even), slice), texel);
         if is_before == (i == 0u) {
             return is_before;
         }
     }
-    return planes > 1u;
+    return planes.y > 1u;
 }
 
 // The first shadowed slice of a plane's value, 0 to N.
@@ -271,7 +277,7 @@ fn antumbra_depth(leaf: u32, texel: vec2<u32>, spread: AntumbraSpread) -> u32 {
     }
     var depths = vec3(0u);
     let planes = antumbra_planes(part);
-    for (var i = 0u; i < planes; i++) {
+    for (var i = planes.x; i < planes.y; i++) {
         let plane = antumbra_plane(part, i, spread.table == 0u);
         depths[i] = antumbra_depth_of(antumbra_form_at(plane, texel), plane, spread);
     }
@@ -334,7 +340,7 @@ fn antumbra_lit_over(leaf: u32, rectangle: vec4<u32>, slice: AntumbraSlice) -> v
             of_planes[0] = vec2(slice.z < antumbra_payload(part));
         } else {
             let planes = antumbra_planes(part);
-            for (var j = 0u; j < planes; j++) {
+            for (var j = planes.x; j < planes.y; j++) {
                 let ends = antumbra_ends(antumbra_behind(antumbra_plane(part, j, slice.is_even), slice), rectangle);
                 of_planes[j] = vec2(!antumbra_is_negative(ends.xy), !antumbra_is_negative(ends.zw));
             }
@@ -364,7 +370,7 @@ fn antumbra_bounds(leaf: u32, rectangle: vec4<u32>, spread: AntumbraSpread) -> v
             depths[0] = vec2(antumbra_payload(part));
         } else {
             let planes = antumbra_planes(part);
-            for (var j = 0u; j < planes; j++) {
+            for (var j = planes.x; j < planes.y; j++) {
                 let plane = antumbra_plane(part, j, spread.table == 0u);
                 let ends = antumbra_ends(plane, rectangle);
                 depths[j] = vec2(antumbra_depth_of(ends.xy, plane, spread), antumbra_depth_of(ends.zw, plane, spread));
@@ -420,7 +426,7 @@ fn antumbra_part_mask(part: u32, tile: AntumbraTile) -> vec2<u32> {
     }
     var lit = array<vec2<u32>, 3>();
     let planes = antumbra_planes(part);
-    for (var i = 0u; i < planes; i++) {
+    for (var i = planes.x; i < planes.y; i++) {
         lit[i] = antumbra_left_mask(antumbra_behind(antumbra_plane(part, i, tile.slice.is_even), tile.slice), tile);
     }
     return lit[0] | (lit[1] & lit[2]);

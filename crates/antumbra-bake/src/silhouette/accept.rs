@@ -2,7 +2,7 @@
 
 use antumbra::format::silhouette::Form;
 
-use super::form::{AS_IT_IS, DEEP, EdgeKey, PlaneKey, Side, edge_form, plane_form};
+use super::form::{EdgeKey, Plane, Second, Surface, edge_form};
 use super::sketch::Set;
 use crate::columns::{BuildTriangle, Tile};
 use crate::light_space::Slices;
@@ -15,14 +15,9 @@ pub(crate) struct Forms<'a> {
 }
 
 impl Forms<'_> {
-    pub fn plane(&self, key: PlaneKey) -> Option<Form> {
-        plane_form(&self.triangles[key.triangle as usize], key.side, self.slices)
-    }
-
-    /// The back of a wedge.
-    pub fn back(&self, key: PlaneKey) -> Option<Form> {
-        let has_back = key.back != AS_IT_IS && key.back != DEEP;
-        has_back.then(|| plane_form(&self.triangles[key.back as usize], Side::Before, self.slices))?
+    /// A plane's form; deep planes are made of it when they are looked up.
+    pub fn plane(&self, plane: Plane) -> Option<Form> {
+        plane.form(self.triangles, self.slices)
     }
 
     pub fn edge(&self, key: EdgeKey) -> Form {
@@ -41,29 +36,34 @@ impl Forms<'_> {
         self.slices.half_of_deep().of(units)
     }
 
-    /// A plane's depths over a tile's corners.
-    fn over(&self, plane: PlaneKey, tile: Tile) -> Option<Over> {
-        let plain = |form: Form| Ends::new(form, tile);
+    /// A surface's values over a tile's corners.
+    fn over(&self, surface: Surface, tile: Tile) -> Option<Over> {
         let deep = |form: Form| {
             let ends = Ends::new(self.deep(form), tile);
             if self.slices.are_even() { Some(ends) } else { ends.as_plain(self) }
         };
-        let own = self.plane(plane)?;
-        Some(match plane.back {
-            AS_IT_IS => Over { forms: [plain(own); 3], is_wedge: false },
-            DEEP => Over { forms: [deep(own)?; 3], is_wedge: false },
-            _ => Over { forms: [plain(own), deep(own)?, plain(self.back(plane)?)], is_wedge: true },
+        let of = |plane: Plane| {
+            let form = self.plane(plane)?;
+            if plane.is_deep() { deep(form) } else { Some(Ends::new(form, tile)) }
+        };
+        Some(match surface.second() {
+            Second::None => Over::plane(of(surface.first)?),
+            Second::Back(back) => {
+                let front = self.plane(surface.first)?;
+                Over { forms: [Ends::new(front, tile), deep(front)?, of(back)?], groups: 2 }
+            }
+            Second::Other(other) => Over { forms: [of(surface.first)?, of(surface.first)?, of(other)?], groups: 1 },
         })
     }
 
-    /// Whether a plane is right throughout a region of a tile: not before what must be lit, not behind what must be shadowed, both of
-    /// which constants bound, and planes that are known to be right.
-    pub fn accepts(&self, set: &Set, tile: Tile, plane: PlaneKey) -> bool {
-        if set.planes().any(|known| known == plane) {
+    /// Whether a surface is right throughout a region of a tile: not before what must be lit, not behind what must be shadowed, both of
+    /// which constants bound, and surfaces that are known to be right.
+    pub fn accepts(&self, set: &Set, tile: Tile, surface: Surface) -> bool {
+        if set.surfaces().any(|known| known == surface) {
             return true;
         }
-        let Some(own) = self.over(plane, tile) else { return false };
-        let known = || set.planes().filter_map(|known| self.over(known, tile));
+        let Some(own) = self.over(surface, tile) else { return false };
+        let known = || set.surfaces().filter_map(|known| self.over(known, tile));
         let is_late = set.low == 0
             || own.is_behind(&Ends::constant(self.first_value(set.low)))
             || known().any(|known| known.groups().all(|g| g.iter().any(|f| own.is_behind(f))));
@@ -118,17 +118,21 @@ impl Ends {
     }
 }
 
-/// A plane's values: the greatest of groups, each the least of its forms.
+/// A surface's values: the greatest of groups, each the least of its planes'.
 struct Over {
-    /// Of a wedge: the front, the front's deep form, and the back.
+    /// Of a wedge: the front in one group, its deep form and the back in the other. Else all are one group.
     forms: [Ends; 3],
-    is_wedge: bool,
+    groups: usize,
 }
 
 impl Over {
+    fn plane(ends: Ends) -> Self {
+        Self { forms: [ends; 3], groups: 1 }
+    }
+
     fn groups(&self) -> impl Iterator<Item = &[Ends]> {
-        let (front, rest) = self.forms.split_at(1);
-        [front, rest].into_iter().take(if self.is_wedge { 2 } else { 1 })
+        let (first, rest) = self.forms.split_at(if self.groups == 2 { 1 } else { 3 });
+        [first, rest].into_iter().take(self.groups)
     }
 
     /// Whether it lies behind a plane.

@@ -5,7 +5,7 @@ use antumbra::format::silhouette::{FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PA
 use rustc_hash::FxHashMap;
 
 use super::accept::Forms;
-use super::form::DEEP;
+use super::form::{Plane, Second};
 use super::sketch::{Set, Sketch};
 use crate::dag::{EncodeError, Encoded};
 
@@ -92,14 +92,21 @@ impl Writer<'_> {
         if set.low <= set.high {
             return reference(Kind::Depth, self.depth(set.low, set.high.min(slices)));
         }
-        let Some(plane) = set.planes().next() else { return reference(Kind::Depth, slices) };
-        let Some(front) = self.forms.plane(plane).map(|form| self.form(form)) else {
-            return reference(Kind::Depth, slices);
+        let Some(surface) = set.surfaces().next() else { return reference(Kind::Depth, slices) };
+        // A surface of a set has forms.
+        let [first, second] = match surface.second() {
+            Second::None => return self.plane(surface.first),
+            // Numbers of forms.
+            Second::Back(back) => [surface.first, back].map(|plane| payload(self.plane(plane)) as u32),
+            Second::Other(other) => [surface.first, other].map(|plane| self.plane(plane)),
         };
-        match self.forms.back(plane).map(|form| self.form(form)) {
-            Some(back) => self.node(Kind::Wedge, &[front, back]),
-            None => reference(if plane.back == DEEP { Kind::Deep } else { Kind::Plane }, front),
-        }
+        self.node(Kind::Pair, &[first, second])
+    }
+
+    fn plane(&mut self, plane: Plane) -> u32 {
+        let slices = self.forms.slices.resolution().texels();
+        let Some(form) = self.forms.plane(plane) else { return reference(Kind::Depth, slices) };
+        reference(if plane.is_deep() { Kind::Deep } else { Kind::Plane }, self.form(form))
     }
 
     /// A depth between two: lit where it may be, or nearly so with a depth that was chosen lately, which takes fewer bytes on disk.
@@ -192,7 +199,10 @@ impl Moved<'_> {
                 let edges: Vec<u32> = edges.iter().map(|edge| self.forms[*edge as usize]).collect();
                 edges.into_iter().chain(regions.iter().map(|region| self.tile(*region))).collect()
             }
-            Kind::Wedge => tree.nodes[at..at + 2].iter().map(|form| self.forms[*form as usize]).collect(),
+            Kind::Pair => {
+                let plane = |of: &u32| reference(kind(*of), self.forms[payload(*of)]);
+                tree.nodes[at..at + 2].iter().map(plane).collect()
+            }
             Kind::Masks => {
                 let turns = tree.nodes[at] as usize;
                 self.counts.masks += turns as u64;

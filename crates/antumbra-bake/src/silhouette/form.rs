@@ -9,8 +9,7 @@ use crate::light_space::{Resolution, Slices};
 pub(crate) type EdgeKey = [[i32; 2]; 2];
 
 /// Which of a triangle's depths a plane stands for, as a transition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[repr(u8)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     /// Just behind the surface, exactly.
     Behind,
@@ -20,31 +19,89 @@ pub(crate) enum Side {
     Before,
 }
 
-/// A plane: a triangle's, on one side of it.
+/// A plane: a triangle's, on one side of it, perhaps the deep one. Bits 1 and 0 are the side, bit 2 is set for deep ones, the rest is the
+/// triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct PlaneKey {
-    pub triangle: u32,
-    pub side: Side,
-    /// What is made of it: [`AS_IT_IS`], [`DEEP`], or a wedge with a triangle where rays leave the solid.
-    pub back: u32,
+pub(crate) struct Plane(u32);
+
+impl Plane {
+    /// Triangles from this number on have no planes.
+    pub const MOST_TRIANGLES: u32 = (1 << 29) - 1;
+
+    pub fn new(triangle: u32, side: Side) -> Self {
+        Self((triangle << 3) | side as u32)
+    }
+
+    /// Half a slice behind the deepest point that the plane has in each texel: where faces are not quite flat, one plane will do.
+    pub fn deep(self) -> Self {
+        Self(self.0 | 4)
+    }
+
+    pub fn is_deep(self) -> bool {
+        self.0 & 4 != 0
+    }
+
+    fn triangle(self) -> usize {
+        (self.0 >> 3) as usize
+    }
+
+    fn side(self) -> Side {
+        match self.0 & 3 {
+            0 => Side::Behind,
+            1 => Side::Past,
+            _ => Side::Before,
+        }
+    }
+
+    /// Its form, unless it is too steep; deep planes are made of it when they are looked up.
+    pub fn form(self, triangles: &[BuildTriangle], slices: &Slices) -> Option<Form> {
+        plane_form(&triangles[self.triangle()], self.side(), slices)
+    }
 }
 
-/// The plane itself.
-pub(crate) const AS_IT_IS: u32 = u32::MAX;
-/// Half a slice behind the deepest point that the plane has in each texel: where faces are not quite flat, one plane will do.
-pub(crate) const DEEP: u32 = u32::MAX - 1;
+/// What a region's depth follows: a plane, or two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Surface {
+    pub first: Plane,
+    second: Plane,
+}
 
-impl PlaneKey {
-    pub fn new(triangle: u32, side: Side) -> Self {
-        Self { triangle, side, back: AS_IT_IS }
+/// What two planes are to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Second {
+    /// There is one alone.
+    None,
+    /// Where the first one's solid ends: max(first, min(first's deep one, back)).
+    Back(Plane),
+    /// Another surface: the depth is the nearer one's.
+    Other(Plane),
+}
+
+impl Surface {
+    const NO_PLANE: Plane = Plane(u32::MAX);
+    /// None.
+    pub const NONE: Self = Self { first: Self::NO_PLANE, second: Self::NO_PLANE };
+
+    pub fn plane(plane: Plane) -> Self {
+        Self { first: plane, second: Self::NO_PLANE }
     }
 
-    pub fn deep(triangle: u32, side: Side) -> Self {
-        Self { triangle, side, back: DEEP }
+    /// Between a triangle where rays enter a solid and one where they leave it.
+    pub fn wedge(front: u32, back: u32) -> Self {
+        Self { first: Plane::new(front, Side::Past), second: Plane::new(back, Side::Before) }
     }
 
-    pub fn wedge(triangle: u32, back: u32) -> Self {
-        Self { triangle, side: Side::Past, back }
+    /// The nearer one of two planes, none of which lies before its triangle.
+    pub fn nearer(a: Plane, b: Plane) -> Self {
+        Self { first: a.min(b), second: a.max(b) }
+    }
+
+    pub fn second(self) -> Second {
+        match self.second {
+            Self::NO_PLANE => Second::None,
+            back if back.side() == Side::Before => Second::Back(back),
+            other => Second::Other(other),
+        }
     }
 }
 
@@ -75,7 +132,7 @@ fn exponent(number: f64) -> i32 {
 }
 
 /// A triangle's plane, unless it is too steep: in slices where those are even, else in lattice steps.
-pub(crate) fn plane_form(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
+fn plane_form(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
     if triangle.is_edge_on() {
         return None;
     }

@@ -3,7 +3,7 @@
 use antumbra::format::silhouette::Form;
 
 use super::accept::{Forms, corners};
-use super::form::{PlaneKey, Side};
+use super::form::{Plane, Side, Surface};
 use super::sketch::Set;
 use crate::columns::{Entry, Tile};
 
@@ -28,12 +28,12 @@ pub(crate) fn add_planes(forms: &Forms<'_>, set: &mut Set, tile: Tile, (entries,
     for front in &gap.fronts {
         let is_deep = front.deep.is_some_and(|deep| gap.is_after(&deep, true) && gap.is_first(&deep));
         if is_deep {
-            set.push(PlaneKey::deep(front.triangle, Side::Past));
+            set.push(Surface::plane(Plane::new(front.triangle, Side::Past).deep()));
         }
     }
     for (back, before) in &gap.backs {
         if gap.is_first(before) && gap.is_after(before, true) {
-            set.push(PlaneKey::new(*back, Side::Before));
+            set.push(Surface::plane(Plane::new(*back, Side::Before)));
         }
     }
     for front in gap.fronts.iter().filter(|front| gap.is_after(&front.past, false)) {
@@ -42,7 +42,7 @@ pub(crate) fn add_planes(forms: &Forms<'_>, set: &mut Set, tile: Tile, (entries,
             let is_before = |depths: &Depths, other: &Depths| is_behind(other, depths, gap.error);
             let fits = |other| is_before(&deep, other) || (is_before(&front.past, other) && is_before(before, other));
             if gap.behind.iter().all(fits) {
-                set.push(PlaneKey::wedge(front.triangle, *back));
+                set.push(Surface::wedge(front.triangle, *back));
             }
         }
     }
@@ -87,7 +87,7 @@ impl Gap {
         let [next, own] = [1.0, 0.0].map(|by| slices.moved_by(if slices.are_even() { by } else { by - 1.0 }));
         for entry in entries {
             let t = &forms.triangles[entry.triangle as usize];
-            if t.is_edge_on() {
+            if t.is_edge_on() || entry.triangle > Plane::MOST_TRIANGLES {
                 return None;
             }
             let at = at_corners.map(|p| t.depth(p, units));
@@ -99,7 +99,7 @@ impl Gap {
                 let rise = if t.winding() == 1 { t.rise(texel, slices) } else { 0.0 };
                 gap.before.push([at.map(|d| next.of(d)), at.map(|d| next.of(d + rise))]);
                 let is_wanted = t.winding() == 1 && gap.fronts.len() < MOST_SIDES;
-                let past = PlaneKey::new(entry.triangle, Side::Past);
+                let past = Plane::new(entry.triangle, Side::Past);
                 if let Some(form) = forms.plane(past).filter(|_| is_wanted) {
                     let deep = values(forms.deep(form));
                     let is_inside = slices.are_even() || deep.iter().all(|value| *value >= 0.0);
@@ -109,7 +109,7 @@ impl Gap {
             } else if entry.first >= set.high {
                 gap.behind.push(at.map(|d| own.of(d)));
                 let is_wanted = t.winding() == -1 && gap.backs.len() < MOST_SIDES;
-                let before = PlaneKey::new(entry.triangle, Side::Before);
+                let before = Plane::new(entry.triangle, Side::Before);
                 if let Some(form) = forms.plane(before).filter(|_| is_wanted) {
                     gap.backs.push((entry.triangle, values(form)));
                 }

@@ -4,7 +4,7 @@ use antumbra::format::silhouette::Form;
 use antumbra::format::slices::Spread;
 
 use super::accept::{Forms, corners};
-use super::form::{DEEP, EdgeKey, PlaneKey, Side};
+use super::form::{EdgeKey, Plane, Side, Surface};
 use super::sketch::{Cut, Set, Sketch, Turn};
 use pulp::{Simd, WithSimd};
 
@@ -15,6 +15,8 @@ const MOST_EDGES: usize = 10;
 const MOST_PLANES: usize = 16;
 /// Fronts and backs that wedges are tried of.
 const MOST_SIDES: usize = 4;
+/// Planes of which pairs are tried.
+const MOST_OPEN: usize = 6;
 /// Depths over more slices than this are looked up one by one.
 const MOST_COUNTED: u32 = 16;
 /// Triangles that are looked at.
@@ -24,8 +26,8 @@ const MOST_TRIANGLES: usize = 48;
 struct Parts<'a> {
     enter: &'a Lanes,
     exit: &'a Lanes,
-    /// Each plane, and the texels at which it is right.
-    planes: Vec<(PlaneKey, u64)>,
+    /// Each surface, and the texels at which it is right.
+    surfaces: Vec<(Surface, u64)>,
 }
 
 /// A leaf's sketch; `entries` are sorted by their first slices.
@@ -62,7 +64,7 @@ impl WithSimd for Regions<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { enter, exit, leaf, entries, forms } = self;
-        let parts = Parts { enter, exit, planes: planes(enter, exit, leaf, entries, forms) };
+        let parts = Parts { enter, exit, surfaces: surfaces(enter, exit, leaf, entries, forms) };
         if let Some(set) = parts.set(u64::MAX) {
             return Some(Sketch::Flat(set));
         }
@@ -86,8 +88,8 @@ impl Parts<'_> {
         let low = lows.into_iter().fold(0, u32::max);
         let high = highs.into_iter().fold(u32::MAX, u32::min);
         let mut set = Set::constants(low, high);
-        let fits = self.planes.iter().filter(|(_, right)| right & mask == mask);
-        fits.for_each(|(plane, _)| set.push(*plane));
+        let fits = self.surfaces.iter().filter(|(_, right)| right & mask == mask);
+        fits.for_each(|(surface, _)| set.push(*surface));
         (!set.is_empty()).then_some(set)
     }
 
@@ -118,25 +120,28 @@ impl Parts<'_> {
     }
 }
 
-/// A leaf's planes in the making.
-struct Planes<'a> {
+/// A leaf's surfaces in the making.
+struct Surfaces<'a> {
     enter: &'a Lanes,
     exit: &'a Lanes,
     /// Each that is right somewhere, and the texels where it is.
-    found: Vec<(PlaneKey, u64)>,
+    found: Vec<(Surface, u64)>,
     /// Triangles where rays enter a solid: depths just behind them, and deep ones.
     fronts: Vec<(u32, [Lanes; 2])>,
     /// Triangles where rays leave: depths just before them.
     backs: Vec<(u32, Lanes)>,
+    /// Planes that may be the nearer ones: where they are right, and their depths.
+    open: Vec<(Plane, u64, Lanes)>,
 }
 
-/// Planes of the leaf's triangles that are right somewhere, and where.
+/// Surfaces of the leaf's triangles that are right somewhere, and where.
 #[inline(always)]
-fn planes(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(PlaneKey, u64)> {
+fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(Surface, u64)> {
     let spread = forms.slices.spread();
-    let mut planes = Planes { enter, exit, found: Vec::new(), fronts: Vec::new(), backs: Vec::new() };
+    let (found, fronts, backs, open) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut surfaces = Surfaces { enter, exit, found, fronts, backs, open };
     for entry in entries {
-        if planes.found.len() >= MOST_PLANES {
+        if surfaces.found.len() >= MOST_PLANES || entry.triangle > Plane::MOST_TRIANGLES {
             break;
         }
         let winding = forms.triangles[entry.triangle as usize].winding();
@@ -145,29 +150,50 @@ fn planes(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms:
             -1 => Side::Before,
             _ => Side::Behind,
         };
-        let key = PlaneKey::new(entry.triangle, side);
-        let Some(form) = forms.plane(key) else { continue };
+        let plane = Plane::new(entry.triangle, side);
+        let Some(form) = forms.plane(plane) else { continue };
         let own = depths_at(&form, leaf, spread, false);
         if winding == -1 {
-            planes.backs.push((entry.triangle, own));
+            surfaces.backs.push((entry.triangle, own));
         } else {
             let deep = depths_at(&spread.deep(form), leaf, spread, true);
-            planes.push(PlaneKey { back: DEEP, ..key }, &deep);
-            planes.fronts.extend((winding == 1).then_some((entry.triangle, [own, deep])));
+            surfaces.push_plane(plane.deep(), deep);
+            surfaces.fronts.extend((winding == 1).then_some((entry.triangle, [own, deep])));
         }
-        planes.push(key, &own);
+        if winding == 0 {
+            surfaces.push_plane(plane, own);
+        } else {
+            surfaces.push(Surface::plane(plane), &own);
+        }
     }
-    planes.push_wedges();
-    planes.found
+    surfaces.push_wedges();
+    surfaces.push_nearer();
+    surfaces.found
 }
 
-impl Planes<'_> {
+impl Surfaces<'_> {
+    /// The texels at which depths are right.
     #[inline(always)]
-    fn push(&mut self, plane: PlaneKey, depths: &Lanes) {
+    fn right(&self, depths: &Lanes) -> u64 {
         let is_right = |i: usize| self.enter[i] <= depths[i] && depths[i] <= self.exit[i];
-        let right = mask_of(&std::array::from_fn(|i| u8::from(is_right(i))));
+        mask_of(&std::array::from_fn(|i| u8::from(is_right(i))))
+    }
+
+    #[inline(always)]
+    fn push(&mut self, surface: Surface, depths: &Lanes) {
+        let right = self.right(depths);
         if right != 0 {
-            self.found.push((plane, right));
+            self.found.push((surface, right));
+        }
+    }
+
+    /// A plane that may be the nearer one of two.
+    #[inline(always)]
+    fn push_plane(&mut self, plane: Plane, depths: Lanes) {
+        let right = self.right(&depths);
+        if right != 0 {
+            self.found.push((Surface::plane(plane), right));
+            self.open.push((plane, right, depths));
         }
     }
 
@@ -180,7 +206,23 @@ impl Planes<'_> {
                 for (i, depth) in depths.iter_mut().enumerate() {
                     *depth = (*depth).max(deep[i].min(before[i]));
                 }
-                self.push(PlaneKey::wedge(*front, *back), &depths);
+                self.push(Surface::wedge(*front, *back), &depths);
+            }
+        }
+    }
+
+    /// Two planes that cross, where neither alone is right wherever both are.
+    #[inline(always)]
+    fn push_nearer(&mut self) {
+        let open = std::mem::take(&mut self.open);
+        for (i, (a, right_a, depths_a)) in open.iter().enumerate().take(MOST_OPEN) {
+            for (b, right_b, depths_b) in open[..i].iter() {
+                if right_a & !right_b == 0 || right_b & !right_a == 0 {
+                    continue;
+                }
+                let mut depths = *depths_a;
+                depths.iter_mut().zip(depths_b).for_each(|(depth, other)| *depth = (*depth).min(*other));
+                self.push(Surface::nearer(*a, *b), &depths);
             }
         }
     }

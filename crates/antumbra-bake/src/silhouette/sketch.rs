@@ -2,12 +2,12 @@
 //! at all of the region's texels; four leaves become one while two edges are enough and each region's sets still meet.
 
 use super::accept::{Forms, corners};
-use super::form::{EdgeKey, PlaneKey};
+use super::form::{EdgeKey, Surface};
 use crate::columns::Tile;
 
-/// Planes kept of a set.
-const MOST_PLANES: usize = 6;
-/// Planes that are tried.
+/// Surfaces kept of a set.
+const MOST_SURFACES: usize = 6;
+/// Surfaces that are tried.
 const MOST_TRIED: usize = 12;
 /// Most parts of a region: four of each of four tiles.
 const MOST_PARTS: usize = 16;
@@ -18,7 +18,7 @@ pub(crate) struct Set {
     /// Constants from `low` to `high`; none if `high` is less.
     pub low: u32,
     pub high: u32,
-    planes: [Option<PlaneKey>; MOST_PLANES],
+    surfaces: [Surface; MOST_SURFACES],
 }
 
 /// A tile's regions by the sides of its edges: bit i of a region's number is set to the left of edge i.
@@ -51,22 +51,22 @@ pub(crate) enum Sketch {
 
 impl Set {
     pub fn constants(low: u32, high: u32) -> Self {
-        Self { low, high, planes: [None; MOST_PLANES] }
+        Self { low, high, surfaces: [Surface::NONE; MOST_SURFACES] }
     }
 
-    /// Adds a plane while there is room.
-    pub fn push(&mut self, plane: PlaneKey) {
-        if let Some(free) = self.planes.iter_mut().find(|p| p.is_none()) {
-            *free = Some(plane);
+    /// Adds a surface while there is room.
+    pub fn push(&mut self, surface: Surface) {
+        if let Some(free) = self.surfaces.iter_mut().find(|s| **s == Surface::NONE) {
+            *free = surface;
         }
     }
 
-    pub fn planes(&self) -> impl Iterator<Item = PlaneKey> + '_ {
-        self.planes.iter().flatten().copied()
+    pub fn surfaces(&self) -> impl Iterator<Item = Surface> + '_ {
+        self.surfaces.iter().copied().take_while(|surface| *surface != Surface::NONE)
     }
 
     pub fn is_empty(&self) -> bool {
-        self.low > self.high && self.planes[0].is_none()
+        self.low > self.high && self.surfaces[0] == Surface::NONE
     }
 }
 
@@ -162,12 +162,12 @@ fn met(parts: &[(Tile, &Set)], forms: &Forms<'_>) -> Option<Set> {
     let low = parts.iter().map(|(_, set)| set.low).max()?;
     let high = parts.iter().map(|(_, set)| set.high).min()?;
     let mut all = Set::constants(low, high);
-    let mut tried: Vec<PlaneKey> = Vec::with_capacity(MOST_TRIED);
-    for plane in parts.iter().flat_map(|(_, set)| set.planes()) {
-        if tried.len() < MOST_TRIED && !tried.contains(&plane) {
-            tried.push(plane);
-            if parts.iter().all(|(tile, set)| forms.accepts(set, *tile, plane)) {
-                all.push(plane);
+    let mut tried: Vec<Surface> = Vec::with_capacity(MOST_TRIED);
+    for surface in parts.iter().flat_map(|(_, set)| set.surfaces()) {
+        if tried.len() < MOST_TRIED && !tried.contains(&surface) {
+            tried.push(surface);
+            if parts.iter().all(|(tile, set)| forms.accepts(set, *tile, surface)) {
+                all.push(surface);
             }
         }
     }

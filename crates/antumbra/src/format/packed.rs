@@ -13,7 +13,7 @@
 //!
 //! | stream | holds |
 //! |---|---|
-//! | 0 | a byte for each reference: what it is ([`Kind`]) |
+//! | 0 | a byte for each reference: what it is ([`Kind`]); 8 for pairs of which the nearer plane counts, then a byte for either plane |
 //! | 1 | a byte for each edge: which form it is, by *recency* |
 //! | 2 | the same for each plane |
 //! | 3 | the same for each depth |
@@ -41,6 +41,8 @@ use crate::FormatError;
 const STREAMS: usize = 16;
 const HEADER_BYTES: usize = 8;
 const KINDS: usize = 0;
+/// What stands for two planes of which the nearer counts, where a kind may stand.
+const NEARER: u8 = 8;
 const DEPTHS: usize = 3;
 const NEW_DEPTHS: usize = 4;
 const FAR_FORMS: usize = 5;
@@ -143,6 +145,10 @@ struct Packer<'a> {
 impl Packer<'_> {
     fn tile(&mut self, tile: u32) {
         let at = payload(tile);
+        if kind(tile) == Kind::Pair && kind(self.pool[at]) != Kind::Depth {
+            self.streams[KINDS].push(NEARER);
+            return (0..2).for_each(|i| self.tile(self.pool[at + i]));
+        }
         self.streams[KINDS].push(kind(tile) as u8);
         match kind(tile) {
             Kind::Inner => (0..4).for_each(|i| self.tile(self.pool[at + i])),
@@ -151,7 +157,7 @@ impl Packer<'_> {
                 (0..edges).for_each(|i| self.form(Role::Edge, self.pool[at + i]));
                 (0..1 << edges).for_each(|i| self.tile(self.pool[at + edges + i]));
             }
-            Kind::Wedge => (0..2).for_each(|i| self.form(Role::Plane, self.pool[at + i])),
+            Kind::Pair => (0..2).for_each(|i| self.form(Role::Plane, self.pool[at + i])),
             Kind::Plane | Kind::Deep => self.form(Role::Plane, at as u32),
             Kind::Depth => self.depth(at as u32),
             Kind::Masks => {
@@ -256,11 +262,19 @@ struct Unpacker<'a> {
     pool: Vec<u32>,
 }
 
+/// The kind of a code; of one that is none, some kind.
+fn kind_of(code: u8) -> Kind {
+    kind(u32::from(code) << 29)
+}
+
 impl Unpacker<'_> {
+    const IMPOSSIBLE: FormatError = FormatError::Malformed("a packed tile is something that it cannot be");
+
     /// A tile of 2^`level` texels per side.
     fn tile(&mut self, level: u32) -> Result<u32, FormatError> {
         let mut words = [0; 6];
-        let (found, count) = match self.kind()? {
+        let code = self.byte(KINDS)?;
+        let (found, count) = match kind_of(code) {
             Kind::Inner if level > MASK_LEVEL => {
                 for child in &mut words[..4] {
                     *child = self.tile(level - 1)?;
@@ -274,26 +288,38 @@ impl Unpacker<'_> {
                     *edge = self.form(Role::Edge)?;
                 }
                 for region in &mut words[edges..count] {
-                    let kind = self.kind()?;
-                    *region = self.value(kind)?;
+                    *region = self.value()?;
                 }
                 (cut, count)
             }
             Kind::Masks => return self.masks(),
-            value => return self.value(value),
+            _ => return self.value_of(code),
         };
         self.node(found, &words[..count])
     }
 
-    fn value(&mut self, found: Kind) -> Result<u32, FormatError> {
-        match found {
-            Kind::Depth => Ok(reference(Kind::Depth, self.depth()?)),
-            Kind::Plane | Kind::Deep => Ok(reference(found, self.form(Role::Plane)?)),
-            Kind::Wedge => {
-                let planes = [self.form(Role::Plane)?, self.form(Role::Plane)?];
-                self.node(Kind::Wedge, &planes)
-            }
-            _ => Err(FormatError::Malformed("a packed tile is something that it cannot be")),
+    fn value(&mut self) -> Result<u32, FormatError> {
+        let code = self.byte(KINDS)?;
+        self.value_of(code)
+    }
+
+    fn value_of(&mut self, code: u8) -> Result<u32, FormatError> {
+        let words = match kind_of(code) {
+            _ if code == NEARER => [self.plane()?, self.plane()?],
+            _ if code > NEARER => return Err(CUT_OFF),
+            Kind::Depth => return Ok(reference(Kind::Depth, self.depth()?)),
+            found @ (Kind::Plane | Kind::Deep) => return Ok(reference(found, self.form(Role::Plane)?)),
+            Kind::Pair => [self.form(Role::Plane)?, self.form(Role::Plane)?],
+            _ => return Err(Self::IMPOSSIBLE),
+        };
+        self.node(Kind::Pair, &words)
+    }
+
+    /// One of two planes of which the nearer counts.
+    fn plane(&mut self) -> Result<u32, FormatError> {
+        match kind_of(self.byte(KINDS)?) {
+            found @ (Kind::Plane | Kind::Deep) => Ok(reference(found, self.form(Role::Plane)?)),
+            _ => Err(Self::IMPOSSIBLE),
         }
     }
 
@@ -351,11 +377,6 @@ impl Unpacker<'_> {
         };
         self.memory.recent(role).add(number);
         Ok(number)
-    }
-
-    fn kind(&mut self) -> Result<Kind, FormatError> {
-        let byte = self.byte(KINDS)?;
-        if byte < 8 { Ok(kind(u32::from(byte) << 29)) } else { Err(CUT_OFF) }
     }
 
     fn byte(&mut self, stream: usize) -> Result<u8, FormatError> {

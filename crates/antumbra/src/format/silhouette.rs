@@ -31,8 +31,8 @@
 //! ```text
 //! 0 depth   the depth itself, 0 to N (N: lit throughout)
 //! 1 plane   a form's number
-//! 2 wedge   a node of two words, the numbers of two planes, front and back: the depth is the front's deep one, but where the back's
-//!           is less that, and no less than the front's
+//! 2 pair    a node of two words. Numbers of two planes, front and back, are a *wedge*: the depth is the front's deep one, but where the
+//!           back's is less that, and no less than the front's. References to two planes or deep planes: the nearer one's depth
 //! 3 inner   a node of four words, references to four tiles of half the side, x fastest
 //! 4 cut     a node of three words: an edge's number, and references for the texels to its right and its left
 //! 5 cross   a node of six words: two edges' numbers, and four references; bit i of their order is set to the left of edge i
@@ -43,7 +43,7 @@
 //!           e = (|a| + |b|) / 2 rounded down + 2^shift, and each slice but the first counts from the middle of the one before on
 //! ```
 //!
-//! The references of cuts and crosses are depths, planes, deep planes or wedges. Voxel (x, y, z) is lit iff z is less than the depth at its texel.
+//! The references of cuts and crosses are depths, planes, deep planes or pairs. Voxel (x, y, z) is lit iff z is less than the depth at its texel.
 //!
 //! Nodes lie in the order of a walk through each root's tree, lights in the file's order, children before their parents, each once;
 //! forms in the order in which that walk meets them first. So equal scenes give equal bytes, and there are no cycles.
@@ -68,8 +68,8 @@ pub enum Kind {
     Depth,
     /// A plane.
     Plane,
-    /// Between two planes.
-    Wedge,
+    /// Two planes: a wedge, or the nearer one.
+    Pair,
     /// Four tiles.
     Inner,
     /// Two regions.
@@ -101,7 +101,7 @@ pub fn kind(reference: u32) -> Kind {
     match reference >> PAYLOAD_BITS {
         0 => Kind::Depth,
         1 => Kind::Plane,
-        2 => Kind::Wedge,
+        2 => Kind::Pair,
         3 => Kind::Inner,
         4 => Kind::Cut,
         5 => Kind::Cross,
@@ -156,6 +156,12 @@ impl Form {
     pub fn at(&self, [x, y]: [u32; 2]) -> i64 {
         i64::from(self.a) * i64::from(x) + i64::from(self.b) * i64::from(y) + self.c
     }
+}
+
+/// Whether a word of a pair may be of a kind, given the first word's: numbers of forms are of kind 0.
+fn is_of_pair(kind: Kind, first: Kind) -> bool {
+    let is_plane = |kind| matches!(kind, Kind::Plane | Kind::Deep);
+    if first == Kind::Depth { kind == Kind::Depth } else { is_plane(kind) && is_plane(first) }
 }
 
 /// A pool that is being checked: the roots' trees must follow one another in it.
@@ -287,8 +293,12 @@ impl<'a> Check<'a> {
         match kind(value) {
             Kind::Depth if at <= 1 << log2 => Ok(()),
             Kind::Plane | Kind::Deep => self.form(at as u32),
-            Kind::Wedge => {
-                self.node_words(at, 2)?.iter().try_for_each(|form| self.form(*form))?;
+            Kind::Pair => {
+                let words = self.node_words(at, 2)?;
+                if words.iter().any(|word| !is_of_pair(kind(*word), kind(words[0]))) {
+                    return Err(FormatError::Malformed("a pair is not made of two planes"));
+                }
+                words.iter().try_for_each(|word| self.form(payload(*word) as u32))?;
                 self.node(at, 2)
             }
             _ => Err(FormatError::Malformed("a tile refers to something that is no depth")),

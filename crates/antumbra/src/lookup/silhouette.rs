@@ -36,11 +36,10 @@ struct Plane {
 enum Value {
     Depth(u32),
     Plane(Plane),
-    /// Of a wedge: max(front, min(deep, back)).
-    Wedge {
-        front: Plane,
-        deep: Plane,
-        back: Plane,
+    /// The nearer of two planes, but no nearer than another: max(least, min(pair)).
+    Pair {
+        least: Option<Plane>,
+        pair: [Plane; 2],
     },
 }
 
@@ -55,8 +54,14 @@ impl Value {
             Kind::Plane => Self::Plane(plane(at)),
             Kind::Deep => Self::Plane(deep(plane(at))),
             _ => {
-                let [front, back] = [0, 1].map(|i| plane(pool[at + i] as usize));
-                Self::Wedge { front, deep: deep(front), back }
+                let words = [pool[at], pool[at + 1]];
+                let [first, second] = words.map(|word| plane(payload(word)));
+                let of = |word: u32, plane: Plane| if kind(word) == Kind::Deep { deep(plane) } else { plane };
+                match kind(words[0]) {
+                    // A wedge: the front, its deep one and the back.
+                    Kind::Depth => Self::Pair { least: Some(first), pair: [deep(first), second] },
+                    _ => Self::Pair { least: None, pair: [of(words[0], first), of(words[1], second)] },
+                }
             }
         }
     }
@@ -84,7 +89,7 @@ pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread
     match Value::read(pool, value, spread) {
         Value::Depth(depth) => depth,
         Value::Plane(plane) => of(plane),
-        Value::Wedge { front, deep, back } => of(deep).min(of(back)).max(of(front)),
+        Value::Pair { least, pair: [a, b] } => of(a).min(of(b)).max(least.map_or(0, of)),
     }
 }
 
@@ -138,7 +143,7 @@ impl<'a> Slice<'a> {
         match Value::read(self.pool, value, self.spread) {
             Value::Depth(depth) => self.z < depth,
             Value::Plane(plane) => is_before(plane),
-            Value::Wedge { front, deep, back } => is_before(front) || (is_before(back) && is_before(deep)),
+            Value::Pair { least, pair: [a, b] } => least.is_some_and(is_before) || (is_before(b) && is_before(a)),
         }
     }
 
@@ -226,8 +231,9 @@ impl<'a> Slice<'a> {
             Value::Depth(depth) if self.z < depth => Lit::All,
             Value::Depth(_) => Lit::None,
             Value::Plane(plane) => behind(plane),
-            Value::Wedge { front, deep, back } => {
-                behind(front).choose(|| behind(back).choose(|| Lit::None, || behind(deep)), || Lit::All)
+            Value::Pair { least, pair: [a, b] } => {
+                let nearer = || behind(b).choose(|| Lit::None, || behind(a));
+                least.map_or(Lit::None, behind).choose(nearer, || Lit::All)
             }
         }
     }
@@ -380,9 +386,9 @@ fn bounds_of_value(pool: &[u32], value: u32, rectangle: [[u32; 2]; 2], spread: S
     match Value::read(pool, value, spread) {
         Value::Depth(depth) => [depth; 2],
         Value::Plane(plane) => of(plane),
-        Value::Wedge { front, deep, back } => {
-            let [before, deep, behind] = [front, deep, back].map(of);
-            [0, 1].map(|end| before[end].max(deep[end].min(behind[end])))
+        Value::Pair { least, pair } => {
+            let (least, [a, b]) = (least.map_or([0; 2], of), pair.map(of));
+            [0, 1].map(|end| least[end].max(a[end].min(b[end])))
         }
     }
 }
