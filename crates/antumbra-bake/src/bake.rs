@@ -89,12 +89,10 @@ pub struct BakeOptions {
 }
 
 impl BakeOptions {
-    /// How the shadows of these lights are stored: as asked for; else as silhouettes, but as voxel graphs where there are spot and point lights
-    /// (whose planes silhouettes do not know yet, so that they take several times the memory) and with other methods, which make no others.
+    /// How shadows are stored: as asked for; else as silhouettes, but as voxel graphs by other methods than columns, which make no others.
     #[must_use]
-    pub fn encoding_of(&self, lights: &[Light]) -> Encoding {
-        let are_suns = lights.iter().all(|light| light.kind == antumbra_scene::LightKind::Directional);
-        let best = if are_suns && self.method == Method::Columns { Encoding::Silhouette } else { Encoding::Dag8 };
+    pub fn encoding_of(&self) -> Encoding {
+        let best = if self.method == Method::Columns { Encoding::Silhouette } else { Encoding::Dag8 };
         self.encoding.unwrap_or(best)
     }
 }
@@ -332,7 +330,7 @@ pub(crate) fn bake_lights(
 ) -> Result<Baked, BakeError> {
     let mut warnings = casters_warnings(casters, options);
     let tables = Tables::default();
-    let encoding = options.encoding_of(lights);
+    let encoding = options.encoding_of();
     let mut built = Lights { casters, options, encoding, tables: &tables, progress }.build(lights)?;
     built.iter_mut().for_each(|light| warnings.append(&mut light.warnings));
     clock.skip();

@@ -164,7 +164,7 @@ fn what_the_encoding_does_not_know_is_refused() {
     };
     let others = refused(BakeOptions { method: Method::Kampe2015, ..options(Interior::Auto, 64, 1) });
     assert!(matches!(others, Err(BakeError::Method("kampe2015"))));
-    let small = BakeOptions { memory_limit: Some(40 << 20), ..options(Interior::Open, 8192, 1) };
+    let small = BakeOptions { memory_limit: Some(30 << 20), ..options(Interior::Open, 8192, 1) };
     assert!(matches!(refused(small), Err(BakeError::Memory { .. })));
 }
 

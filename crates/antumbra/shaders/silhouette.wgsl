@@ -8,8 +8,12 @@
 const ANTUMBRA_DEPTH: u32 = 0u;
 // v >> shift, in slices or in lattice steps.
 const ANTUMBRA_PLANE: u32 = 1u;
-// Two planes: numbers of two, max(front, min(front's deep one, back)); or references, min(first, second).
+// Two planes. By the first word's upper bits: a wedge, max(first, min(first's deep one, second)), the nearer one, or the farther one.
 const ANTUMBRA_PAIR: u32 = 2u;
+const ANTUMBRA_WEDGE: u32 = 0u;
+const ANTUMBRA_NEARER: u32 = 1u;
+// In a pair's words: the deep one is meant.
+const ANTUMBRA_DEEP_BIT: u32 = 0x10000000u;
 // Four references, x fastest.
 const ANTUMBRA_INNER: u32 = 3u;
 // An edge, and references to its right and its left.
@@ -173,25 +177,33 @@ fn antumbra_part_at(leaf: u32, texel: vec2<u32>) -> u32 {
     return antumbra_part(leaf, edges, sides);
 }
 
-// A part's planes are three, of which those that count have numbers from x to below y: max(plane 0, min(plane 1, plane 2)). Of a wedge that is the
-// front, its deep one and the back.
+// A part is max(plane 0, min(plane 1, plane 2)). It has the planes from x to below y; others are before or behind everything, the last one behind.
 fn antumbra_planes(part: u32) -> vec2<u32> {
     if antumbra_kind(part) != ANTUMBRA_PAIR {
         return vec2(0u, 1u);
     }
-    let is_wedge = antumbra_kind(antumbra_word(antumbra_payload(part))) == ANTUMBRA_DEPTH;
-    return vec2(select(1u, 0u, is_wedge), 3u);
+    let pair = antumbra_kind(antumbra_word(antumbra_payload(part)));
+    return vec2(select(0u, 1u, pair == ANTUMBRA_NEARER), select(2u, 3u, pair <= ANTUMBRA_NEARER));
 }
 
 fn antumbra_plane(part: u32, i: u32, is_even: bool) -> AntumbraForm {
-    var plane = part;
-    var is_deep = false;
+    var number = antumbra_payload(part);
+    var is_deep = antumbra_kind(part) == ANTUMBRA_DEEP;
     if antumbra_kind(part) == ANTUMBRA_PAIR {
-        plane = antumbra_word(antumbra_payload(part) + i / 2u);
-        is_deep = i == 1u && antumbra_kind(plane) == ANTUMBRA_DEPTH;
+        let first = antumbra_word(number);
+        let is_wedge = antumbra_kind(first) == ANTUMBRA_WEDGE;
+        var word = i;
+        if is_wedge {
+            word = i >> 1u;
+        } else if antumbra_kind(first) == ANTUMBRA_NEARER {
+            word = i - 1u;
+        }
+        let plane = antumbra_word(number + word);
+        is_deep = (plane & ANTUMBRA_DEEP_BIT) != 0u || (is_wedge && i == 1u);
+        number = plane & (ANTUMBRA_DEEP_BIT - 1u);
     }
-    let form = antumbra_form(antumbra_payload(plane));
-    if is_deep || antumbra_kind(plane) == ANTUMBRA_DEEP {
+    let form = antumbra_form(number);
+    if is_deep {
         return antumbra_deep(form, is_even);
     }
     return form;
@@ -275,7 +287,7 @@ fn antumbra_depth(leaf: u32, texel: vec2<u32>, spread: AntumbraSpread) -> u32 {
         }
         return 1u << spread.log2;
     }
-    var depths = vec3(0u);
+    var depths = vec3(0u, 0u, 0xffffffffu);
     let planes = antumbra_planes(part);
     for (var i = planes.x; i < planes.y; i++) {
         let plane = antumbra_plane(part, i, spread.table == 0u);
@@ -335,7 +347,7 @@ fn antumbra_lit_over(leaf: u32, rectangle: vec4<u32>, slice: AntumbraSlice) -> v
             continue;
         }
         let part = antumbra_part(leaf, edges, i);
-        var of_planes = array<vec2<bool>, 3>();
+        var of_planes = array(vec2(false), vec2(false), vec2(true));
         if antumbra_kind(part) == ANTUMBRA_DEPTH {
             of_planes[0] = vec2(slice.z < antumbra_payload(part));
         } else {
@@ -365,7 +377,7 @@ fn antumbra_bounds(leaf: u32, rectangle: vec4<u32>, spread: AntumbraSpread) -> v
             continue;
         }
         let part = antumbra_part(leaf, edges, i);
-        var depths = array<vec2<u32>, 3>();
+        var depths = array(vec2(0u), vec2(0u), vec2(0xffffffffu));
         if antumbra_kind(part) == ANTUMBRA_DEPTH {
             depths[0] = vec2(antumbra_payload(part));
         } else {
@@ -424,7 +436,7 @@ fn antumbra_part_mask(part: u32, tile: AntumbraTile) -> vec2<u32> {
     if antumbra_kind(part) == ANTUMBRA_DEPTH {
         return vec2(select(0u, 0xffffffffu, tile.slice.z < antumbra_payload(part)));
     }
-    var lit = array<vec2<u32>, 3>();
+    var lit = array(vec2(0u), vec2(0u), vec2(0xffffffffu));
     let planes = antumbra_planes(part);
     for (var i = planes.x; i < planes.y; i++) {
         lit[i] = antumbra_left_mask(antumbra_behind(antumbra_plane(part, i, tile.slice.is_even), tile.slice), tile);

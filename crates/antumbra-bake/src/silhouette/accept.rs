@@ -36,100 +36,159 @@ impl Forms<'_> {
         self.slices.half_of_deep().of(units)
     }
 
-    /// A surface's values over a tile's corners.
-    fn over(&self, surface: Surface, tile: Tile) -> Option<Over> {
+    /// A surface's values at a polygon's corners.
+    fn over(&self, surface: Surface, polygon: &Polygon) -> Option<Over> {
         let deep = |form: Form| {
-            let ends = Ends::new(self.deep(form), tile);
+            let ends = Ends::new(self.deep(form), polygon);
             if self.slices.are_even() { Some(ends) } else { ends.as_plain(self) }
         };
         let of = |plane: Plane| {
             let form = self.plane(plane)?;
-            if plane.is_deep() { deep(form) } else { Some(Ends::new(form, tile)) }
+            if plane.is_deep() { deep(form) } else { Some(Ends::new(form, polygon)) }
         };
-        Some(match surface.second() {
-            Second::None => Over::plane(of(surface.first)?),
+        let first = || of(surface.first);
+        let (forms, groups) = match surface.second() {
+            Second::None => ([first()?; 3], 1),
             Second::Back(back) => {
                 let front = self.plane(surface.first)?;
-                Over { forms: [Ends::new(front, tile), deep(front)?, of(back)?], groups: 2 }
+                ([Ends::new(front, polygon), deep(front)?, of(back)?], 2)
             }
-            Second::Other(other) => Over { forms: [of(surface.first)?, of(surface.first)?, of(other)?], groups: 1 },
-        })
+            Second::Nearer(other) => ([first()?, first()?, of(other)?], 1),
+            Second::Farther(other) => ([first()?, of(other)?, of(other)?], 2),
+        };
+        Some(Over { forms, groups })
     }
 
-    /// Whether a surface is right throughout a region of a tile: not before what must be lit, not behind what must be shadowed, both of
-    /// which constants bound, and surfaces that are known to be right.
-    pub fn accepts(&self, set: &Set, tile: Tile, surface: Surface) -> bool {
+    /// Whether a surface is right throughout a polygon: not before what must be lit, not behind what must be shadowed, both of which
+    /// constants bound, and surfaces that are known to be right.
+    pub fn accepts(&self, set: &Set, polygon: &Polygon, surface: Surface) -> bool {
         if set.surfaces().any(|known| known == surface) {
             return true;
         }
-        let Some(own) = self.over(surface, tile) else { return false };
-        let known = || set.surfaces().filter_map(|known| self.over(known, tile));
+        let Some(own) = self.over(surface, polygon) else { return false };
+        let known = || set.surfaces().filter_map(|known| self.over(known, polygon));
         let is_late = set.low == 0
-            || own.is_behind(&Ends::constant(self.first_value(set.low)))
-            || known().any(|known| known.groups().all(|g| g.iter().any(|f| own.is_behind(f))));
-        let is_early = || {
-            // Values below the next whole one are rounded down.
-            let last = (self.first_value(set.high + 1) << FRACTION_BITS) - 1;
-            own.is_before(&Ends { at: [last; 4], slack: 0 })
-        };
+            || own.is_behind(&polygon.constant(self.first_value(set.low)))
+            || known().any(|known| known.groups().all(|group| group.iter().any(|ends| own.is_behind(ends))));
         let ends = set.high >= self.slices.resolution().texels();
+        // Values below the next whole one are rounded down.
+        let is_early = || own.is_before(&polygon.constant(self.first_value(set.high + 1)));
         is_late && (ends || is_early() || known().any(|known| own.is_before_other(&known)))
     }
 
     /// The least whole value of a plane whose depth is so deep, 1 to N.
-    pub fn first_value(&self, depth: u32) -> i128 {
-        self.slices.spread().least_behind(depth - 1)[0].into()
+    pub fn first_value(&self, depth: u32) -> f64 {
+        self.slices.spread().least_behind(depth - 1)[0] as f64
     }
 }
 
-/// Bits of a value's fraction.
-const FRACTION_BITS: u32 = 32;
+/// Corners of a square that two edges cut, at most.
+const MOST_CORNERS: usize = 6;
+/// By how much a sum of terms may be off, and corners, in texels: rounding of double precision, of numbers up to 2^20.
+const ROUNDING: f64 = 1.0 / (1u64 << 50) as f64;
+const CORNER_ERROR: f64 = 1.0 / (1u64 << 30) as f64;
 /// By how much a deep plane's value, in lattice steps, may lie off that of the plane which is as deep: beginnings of slices are whole.
-const DEEP_STEPS: i128 = 2;
+const DEEP_STEPS: f64 = 2.0;
 
-/// A plane's values over a tile's corners, in parts of 2^-32 of a unit, and by how much they may be off.
+/// A convex polygon that holds the centres of a region's texels.
+#[derive(Clone, Copy)]
+pub(crate) struct Polygon {
+    corners: [[f64; 2]; MOST_CORNERS],
+    count: usize,
+}
+
+impl Polygon {
+    /// All of a tile.
+    pub fn of_tile(tile: Tile) -> Self {
+        let [a, b, c, d] = corners(tile).map(|texel| texel.map(f64::from));
+        // Around it.
+        Self { corners: [a, b, d, c, c, c], count: 4 }
+    }
+
+    /// The part of a tile on some sides of one edge or two: the left one where it is set.
+    pub fn of_part(tile: Tile, edges: impl IntoIterator<Item = (Form, bool)>) -> Self {
+        let all = Self::of_tile(tile);
+        let part = edges.into_iter().fold(all, |polygon, (edge, is_left)| polygon.cut(&edge, is_left));
+        // What rounding leaves nothing of.
+        if part.count == 0 { all } else { part }
+    }
+
+    fn cut(&self, edge: &Form, is_left: bool) -> Self {
+        let sign = if is_left { 1.0 } else { -1.0 };
+        let [a, b, c] = [f64::from(edge.a), f64::from(edge.b), edge.c as f64].map(|factor| sign * factor);
+        let at = |[x, y]: [f64; 2]| a * x + b * y + c;
+        let mut part = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0 };
+        for i in 0..self.count {
+            let (p, q) = (self.corners[i], self.corners[if i + 1 == self.count { 0 } else { i + 1 }]);
+            let (here, next) = (at(p), at(q));
+            if here >= 0.0 {
+                part.push(p);
+            }
+            if (here < 0.0) != (next < 0.0) {
+                let share = here / (here - next);
+                part.push([0, 1].map(|axis| p[axis] + share * (q[axis] - p[axis])));
+            }
+        }
+        part
+    }
+
+    fn push(&mut self, corner: [f64; 2]) {
+        if self.count < MOST_CORNERS {
+            self.corners[self.count] = corner;
+            self.count += 1;
+        }
+    }
+
+    fn constant(&self, value: f64) -> Ends {
+        Ends { form: Form::default(), is_plain: false, at: [value; MOST_CORNERS], count: self.count, slack: 0.0 }
+    }
+}
+
+/// A plane's values at a polygon's corners, in units, and by how much they may be off.
 #[derive(Clone, Copy)]
 struct Ends {
-    at: [i128; 4],
-    slack: i128,
+    form: Form,
+    is_plain: bool,
+    at: [f64; MOST_CORNERS],
+    count: usize,
+    slack: f64,
 }
 
 impl Ends {
-    fn new(form: Form, tile: Tile) -> Self {
-        let at = corners(tile).map(|texel| i128::from(form.at(texel)) << (FRACTION_BITS - form.shift));
-        Self { at, slack: 0 }
-    }
-
-    fn constant(value: i128) -> Self {
-        Self { at: [value << FRACTION_BITS; 4], slack: 0 }
+    fn new(form: Form, polygon: &Polygon) -> Self {
+        let unit = 1.0 / (1i64 << form.shift) as f64;
+        let [a, b, c] = [f64::from(form.a), f64::from(form.b), form.c as f64].map(|factor| factor * unit);
+        let at = polygon.corners.map(|[x, y]| a * x + b * y + c);
+        let [x, y] = [0, 1].map(|axis| polygon.corners.iter().map(|corner| corner[axis]).fold(0.0, f64::max));
+        let terms = a.abs() * x + b.abs() * y + c.abs();
+        let slack = terms * ROUNDING + (a.abs() + b.abs()) * CORNER_ERROR;
+        Self { form, is_plain: true, at, count: polygon.count, slack }
     }
 
     /// Of a deep plane in lattice steps: as those of a plane. `None` before the first slice, which counts no half.
     fn as_plain(self, forms: &Forms<'_>) -> Option<Self> {
-        let one = (1i64 << FRACTION_BITS) as f64;
-        let plain = |value: i128| (forms.of_deep(value as f64 / one) * one) as i128;
-        let is_inside = self.at.iter().all(|value| *value >= 0);
-        is_inside.then(|| Self { at: self.at.map(plain), slack: DEEP_STEPS << FRACTION_BITS })
+        let is_inside = self.at[..self.count].iter().all(|value| *value >= 0.0);
+        let at = self.at.map(|value| forms.of_deep(value));
+        is_inside.then_some(Self { at, is_plain: false, slack: self.slack + DEEP_STEPS, ..self })
     }
 
     fn is_before(&self, other: &Self) -> bool {
+        if (self.form, self.is_plain) == (other.form, other.is_plain) {
+            return true;
+        }
         let slack = self.slack + other.slack;
-        self.at.iter().zip(&other.at).all(|(a, b)| a + slack <= *b)
+        self.at.iter().zip(&other.at).take(self.count).all(|(a, b)| a + slack <= *b)
     }
 }
 
 /// A surface's values: the greatest of groups, each the least of its planes'.
 struct Over {
-    /// Of a wedge: the front in one group, its deep form and the back in the other. Else all are one group.
+    /// Two groups are the first, and the others: of a wedge the front, and its deep form with the back. Else all are one group.
     forms: [Ends; 3],
     groups: usize,
 }
 
 impl Over {
-    fn plane(ends: Ends) -> Self {
-        Self { forms: [ends; 3], groups: 1 }
-    }
-
     fn groups(&self) -> impl Iterator<Item = &[Ends]> {
         let (first, rest) = self.forms.split_at(if self.groups == 2 { 1 } else { 3 });
         [first, rest].into_iter().take(self.groups)

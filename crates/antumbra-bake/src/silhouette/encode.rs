@@ -1,7 +1,9 @@
 //! From sketches to the words of a pool: [`antumbra::format::silhouette`].
 
 use antumbra::format::dag8::NodeCounts;
-use antumbra::format::silhouette::{FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PAYLOAD, kind, payload, reference};
+use antumbra::format::silhouette::{
+    FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, kind, payload, plane_of_pair, reference,
+};
 use rustc_hash::FxHashMap;
 
 use super::accept::Forms;
@@ -93,16 +95,17 @@ impl Writer<'_> {
             return reference(Kind::Depth, self.depth(set.low, set.high.min(slices)));
         }
         let Some(surface) = set.surfaces().next() else { return reference(Kind::Depth, slices) };
-        // A surface of a set has forms.
-        let [first, second] = match surface.second() {
+        let (pair, second) = match surface.second() {
             Second::None => return self.plane(surface.first),
-            // Numbers of forms.
-            Second::Back(back) => [surface.first, back].map(|plane| payload(self.plane(plane)) as u32),
-            Second::Other(other) => [surface.first, other].map(|plane| self.plane(plane)),
+            Second::Back(back) => (Pair::Wedge, back),
+            Second::Nearer(other) => (Pair::Nearer, other),
+            Second::Farther(other) => (Pair::Farther, other),
         };
-        self.node(Kind::Pair, &[first, second])
+        let planes = [surface.first, second].map(|plane| (payload(self.plane(plane)) as u32, plane.is_deep()));
+        self.node(Kind::Pair, &pair.to_words(planes))
     }
 
+    /// A plane of a set, which has a form.
     fn plane(&mut self, plane: Plane) -> u32 {
         let slices = self.forms.slices.resolution().texels();
         let Some(form) = self.forms.plane(plane) else { return reference(Kind::Depth, slices) };
@@ -200,8 +203,9 @@ impl Moved<'_> {
                 edges.into_iter().chain(regions.iter().map(|region| self.tile(*region))).collect()
             }
             Kind::Pair => {
-                let plane = |of: &u32| reference(kind(*of), self.forms[payload(*of)]);
-                tree.nodes[at..at + 2].iter().map(plane).collect()
+                let words = [tree.nodes[at], tree.nodes[at + 1]];
+                let planes = words.map(plane_of_pair).map(|(number, is_deep)| (self.forms[number], is_deep));
+                Pair::of(words[0]).to_words(planes).to_vec()
             }
             Kind::Masks => {
                 let turns = tree.nodes[at] as usize;

@@ -73,8 +73,9 @@ pub(crate) enum Second {
     None,
     /// Where the first one's solid ends: max(first, min(first's deep one, back)).
     Back(Plane),
-    /// Another surface: the depth is the nearer one's.
-    Other(Plane),
+    /// Another surface: the depth is the nearer one's, or the farther one's.
+    Nearer(Plane),
+    Farther(Plane),
 }
 
 impl Surface {
@@ -91,16 +92,22 @@ impl Surface {
         Self { first: Plane::new(front, Side::Past), second: Plane::new(back, Side::Before) }
     }
 
-    /// The nearer one of two planes, none of which lies before its triangle.
+    /// The nearer one of two planes, none of which lies before its triangle: the lesser is the first.
     pub fn nearer(a: Plane, b: Plane) -> Self {
         Self { first: a.min(b), second: a.max(b) }
+    }
+
+    /// The farther one of two: the greater is the first.
+    pub fn farther(a: Plane, b: Plane) -> Self {
+        Self { first: a.max(b), second: a.min(b) }
     }
 
     pub fn second(self) -> Second {
         match self.second {
             Self::NO_PLANE => Second::None,
             back if back.side() == Side::Before => Second::Back(back),
-            other => Second::Other(other),
+            other if other > self.first => Second::Nearer(other),
+            other => Second::Farther(other),
         }
     }
 }

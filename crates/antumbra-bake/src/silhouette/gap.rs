@@ -22,7 +22,7 @@ pub(crate) fn add_planes(forms: &Forms<'_>, set: &mut Set, tile: Tile, (entries,
     }
     let Some(mut gap) = Gap::new(forms, entries, set, tile) else { return };
     if clamp < forms.slices.resolution().texels() {
-        gap.behind.push([forms.first_value(clamp + 1) as f64 - gap.error; 4]);
+        gap.behind.push([forms.first_value(clamp + 1) - gap.error; 4]);
     }
     // Just behind a front, or deep behind it, and before all that lies behind the gap.
     for front in &gap.fronts {

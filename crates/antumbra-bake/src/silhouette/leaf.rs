@@ -9,6 +9,7 @@ use super::sketch::{Cut, Set, Sketch, Turn};
 use pulp::{Simd, WithSimd};
 
 use crate::columns::{Entry, Lanes, Leaf, LeafScratch, Transition};
+use crate::light_space::Slices;
 
 /// Edges and planes that are tried.
 const MOST_EDGES: usize = 10;
@@ -137,9 +138,10 @@ struct Surfaces<'a> {
 /// Surfaces of the leaf's triangles that are right somewhere, and where.
 #[inline(always)]
 fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(Surface, u64)> {
-    let spread = forms.slices.spread();
     let (found, fronts, backs, open) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut surfaces = Surfaces { enter, exit, found, fronts, backs, open };
+    // Where there is no slack no depth but the surface's own is right.
+    let is_exact = enter == exit;
     for entry in entries {
         if surfaces.found.len() >= MOST_PLANES || entry.triangle > Plane::MOST_TRIANGLES {
             break;
@@ -152,11 +154,11 @@ fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], form
         };
         let plane = Plane::new(entry.triangle, side);
         let Some(form) = forms.plane(plane) else { continue };
-        let own = depths_at(&form, leaf, spread, false);
+        let own = depths_at(&form, leaf, forms.slices, false);
         if winding == -1 {
             surfaces.backs.push((entry.triangle, own));
-        } else {
-            let deep = depths_at(&spread.deep(form), leaf, spread, true);
+        } else if !is_exact {
+            let deep = depths_at(&forms.deep(form), leaf, forms.slices, true);
             surfaces.push_plane(plane.deep(), deep);
             surfaces.fronts.extend((winding == 1).then_some((entry.triangle, [own, deep])));
         }
@@ -223,6 +225,9 @@ impl Surfaces<'_> {
                 let mut depths = *depths_a;
                 depths.iter_mut().zip(depths_b).for_each(|(depth, other)| *depth = (*depth).min(*other));
                 self.push(Surface::nearer(*a, *b), &depths);
+                let mut depths = *depths_a;
+                depths.iter_mut().zip(depths_b).for_each(|(depth, other)| *depth = (*depth).max(*other));
+                self.push(Surface::farther(*a, *b), &depths);
             }
         }
     }
@@ -238,12 +243,19 @@ fn values(form: &Form, leaf: Leaf<'_>) -> [i64; 64] {
 
 /// A plane's depths at a leaf's texels, or a deep one's.
 #[inline(always)]
-fn depths_at(form: &Form, leaf: Leaf<'_>, spread: Spread<'_>, is_deep: bool) -> Lanes {
+fn depths_at(form: &Form, leaf: Leaf<'_>, slices: &Slices, is_deep: bool) -> Lanes {
+    let spread = slices.spread();
     let values = values(form, leaf).map(|value| value >> form.shift);
     if matches!(spread, Spread::Even(_)) {
         return values.map(|value| spread.depth(value));
     }
-    let of = |value: i64| if is_deep { spread.depth_of_deep(value) } else { spread.depth(value) };
+    let of = |value: i64| {
+        // By the builder's own table, which is faster than a search.
+        let step = value.clamp(0, u32::MAX.into()) as u32;
+        let depth = if value < 0 { 0 } else { (slices.of_step(step) + 1).min(spread.count()) };
+        let is_next = is_deep && depth < spread.count() && spread.least_behind(depth)[1] <= value;
+        depth + u32::from(is_next)
+    };
     // Values are linear: corners bound the depths.
     let at_corners = [values[0], values[7], values[56], values[63]];
     let first = of(at_corners.into_iter().fold(i64::MAX, i64::min));

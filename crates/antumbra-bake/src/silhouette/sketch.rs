@@ -1,7 +1,7 @@
 //! Sketches: what is known of a tile before depths are chosen. A leaf's regions each have a set of depths, any of which is right
 //! at all of the region's texels; four leaves become one while two edges are enough and each region's sets still meet.
 
-use super::accept::{Forms, corners};
+use super::accept::{Forms, Polygon, corners};
 use super::form::{EdgeKey, Surface};
 use crate::columns::Tile;
 
@@ -126,8 +126,8 @@ fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Ske
     edges.sort_unstable();
     // Which sides of the parent's edges each tile lies on: bit 0 to the right, bit 1 to the left.
     let mut sides = [[0; 2]; 4];
-    for (bit, edge) in edges.iter().enumerate() {
-        let form = forms.edge(*edge);
+    let edge_forms = [0, 1].map(|bit| edges.get(bit).map(|edge| forms.edge(*edge)).unwrap_or_default());
+    for (bit, form) in edge_forms.iter().enumerate().take(count) {
         for (i, sides) in (0..).zip(&mut sides) {
             let at = corners(parent.child(i)).map(|texel| form.at(texel) >= 0);
             sides[bit] = u32::from(at.contains(&false)) | (u32::from(at.contains(&true)) << 1);
@@ -146,7 +146,11 @@ fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Ske
                         None => sides[i as usize][bit] >> side & 1 != 0,
                     }
                 });
-                parts.extend(child.region(part).filter(|_| is_part).map(|set| (parent.child(i), set)));
+                let polygon = || {
+                    let sides = (0..count).map(|bit| (edge_forms[bit], number >> bit & 1 != 0));
+                    Polygon::of_part(parent.child(i), sides)
+                };
+                parts.extend(child.region(part).filter(|_| is_part).map(|set| (polygon(), set)));
             }
         }
         if !parts.is_empty() {
@@ -158,7 +162,7 @@ fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Ske
 }
 
 /// The depths that all of some regions' sets have, if there are any.
-fn met(parts: &[(Tile, &Set)], forms: &Forms<'_>) -> Option<Set> {
+fn met(parts: &[(Polygon, &Set)], forms: &Forms<'_>) -> Option<Set> {
     let low = parts.iter().map(|(_, set)| set.low).max()?;
     let high = parts.iter().map(|(_, set)| set.high).min()?;
     let mut all = Set::constants(low, high);
@@ -166,7 +170,7 @@ fn met(parts: &[(Tile, &Set)], forms: &Forms<'_>) -> Option<Set> {
     for surface in parts.iter().flat_map(|(_, set)| set.surfaces()) {
         if tried.len() < MOST_TRIED && !tried.contains(&surface) {
             tried.push(surface);
-            if parts.iter().all(|(tile, set)| forms.accepts(set, *tile, surface)) {
+            if parts.iter().all(|(polygon, set)| forms.accepts(set, polygon, surface)) {
                 all.push(surface);
             }
         }

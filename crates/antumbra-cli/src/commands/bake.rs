@@ -69,7 +69,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = DepthArg::Log)]
     depth: DepthArg,
     /// How shadows are stored: silhouette (the casters' edges and planes: many times smaller, and hardly larger with resolution), or
-    /// dag8 (the papers' voxel graph) [default: silhouette for suns alone, dag8 with lamps or another --method than columns]
+    /// dag8 (the papers' voxel graph) [default: silhouette, dag8 with another --method than columns]
     #[arg(long, value_name = "NAME")]
     encoding: Option<String>,
     /// Store silhouettes as they are looked up, to be mapped into memory, instead of packed: three to five times the bytes

@@ -13,7 +13,7 @@
 //!
 //! | stream | holds |
 //! |---|---|
-//! | 0 | a byte for each reference: what it is ([`Kind`]); 8 for pairs of which the nearer plane counts, then a byte for either plane |
+//! | 0 | a byte for each reference: what it is ([`Kind`]); 2 for a wedge, 8 for the nearer and 9 for the farther of two planes, then a byte for either plane |
 //! | 1 | a byte for each edge: which form it is, by *recency* |
 //! | 2 | the same for each plane |
 //! | 3 | the same for each depth |
@@ -35,14 +35,17 @@ use alloc::vec::Vec;
 use miniz_oxide::deflate::compress_to_vec;
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
-use super::silhouette::{FORM_WORDS, Form, HEADER_WORDS, Kind, MASK_LEVEL, MOST_PAYLOAD, kind, payload, reference};
+use super::silhouette::{
+    FORM_WORDS, Form, HEADER_WORDS, Kind, MASK_LEVEL, MOST_PAYLOAD, Pair, kind, payload, plane_of_pair, reference,
+};
 use crate::FormatError;
 
 const STREAMS: usize = 16;
 const HEADER_BYTES: usize = 8;
 const KINDS: usize = 0;
-/// What stands for two planes of which the nearer counts, where a kind may stand.
+/// What stands for two planes of which the nearer counts, or the farther, where a kind may stand.
 const NEARER: u8 = 8;
+const FARTHER: u8 = 9;
 const DEPTHS: usize = 3;
 const NEW_DEPTHS: usize = 4;
 const FAR_FORMS: usize = 5;
@@ -145,9 +148,12 @@ struct Packer<'a> {
 impl Packer<'_> {
     fn tile(&mut self, tile: u32) {
         let at = payload(tile);
-        if kind(tile) == Kind::Pair && kind(self.pool[at]) != Kind::Depth {
-            self.streams[KINDS].push(NEARER);
-            return (0..2).for_each(|i| self.tile(self.pool[at + i]));
+        if kind(tile) == Kind::Pair && Pair::of(self.pool[at]) != Pair::Wedge {
+            self.streams[KINDS].push(if Pair::of(self.pool[at]) == Pair::Nearer { NEARER } else { FARTHER });
+            for (number, is_deep) in [self.pool[at], self.pool[at + 1]].map(plane_of_pair) {
+                self.tile(reference(if is_deep { Kind::Deep } else { Kind::Plane }, number as u32));
+            }
+            return;
         }
         self.streams[KINDS].push(kind(tile) as u8);
         match kind(tile) {
@@ -157,7 +163,7 @@ impl Packer<'_> {
                 (0..edges).for_each(|i| self.form(Role::Edge, self.pool[at + i]));
                 (0..1 << edges).for_each(|i| self.tile(self.pool[at + edges + i]));
             }
-            Kind::Pair => (0..2).for_each(|i| self.form(Role::Plane, self.pool[at + i])),
+            Kind::Pair => (0..2).for_each(|i| self.form(Role::Plane, plane_of_pair(self.pool[at + i]).0 as u32)),
             Kind::Plane | Kind::Deep => self.form(Role::Plane, at as u32),
             Kind::Depth => self.depth(at as u32),
             Kind::Masks => {
@@ -267,9 +273,9 @@ fn kind_of(code: u8) -> Kind {
     kind(u32::from(code) << 29)
 }
 
-impl Unpacker<'_> {
-    const IMPOSSIBLE: FormatError = FormatError::Malformed("a packed tile is something that it cannot be");
+const IMPOSSIBLE: FormatError = FormatError::Malformed("a packed tile is something that it cannot be");
 
+impl Unpacker<'_> {
     /// A tile of 2^`level` texels per side.
     fn tile(&mut self, level: u32) -> Result<u32, FormatError> {
         let mut words = [0; 6];
@@ -304,22 +310,26 @@ impl Unpacker<'_> {
     }
 
     fn value_of(&mut self, code: u8) -> Result<u32, FormatError> {
-        let words = match kind_of(code) {
-            _ if code == NEARER => [self.plane()?, self.plane()?],
-            _ if code > NEARER => return Err(CUT_OFF),
-            Kind::Depth => return Ok(reference(Kind::Depth, self.depth()?)),
-            found @ (Kind::Plane | Kind::Deep) => return Ok(reference(found, self.form(Role::Plane)?)),
-            Kind::Pair => [self.form(Role::Plane)?, self.form(Role::Plane)?],
-            _ => return Err(Self::IMPOSSIBLE),
+        let (pair, planes) = match code {
+            NEARER => (Pair::Nearer, [self.plane()?, self.plane()?]),
+            FARTHER => (Pair::Farther, [self.plane()?, self.plane()?]),
+            _ if code > FARTHER => return Err(CUT_OFF),
+            _ => match kind_of(code) {
+                Kind::Depth => return Ok(reference(Kind::Depth, self.depth()?)),
+                found @ (Kind::Plane | Kind::Deep) => return Ok(reference(found, self.form(Role::Plane)?)),
+                Kind::Pair => (Pair::Wedge, [(self.form(Role::Plane)?, false), (self.form(Role::Plane)?, false)]),
+                _ => return Err(IMPOSSIBLE),
+            },
         };
-        self.node(Kind::Pair, &words)
+        self.node(Kind::Pair, &pair.to_words(planes))
     }
 
-    /// One of two planes of which the nearer counts.
-    fn plane(&mut self) -> Result<u32, FormatError> {
-        match kind_of(self.byte(KINDS)?) {
-            found @ (Kind::Plane | Kind::Deep) => Ok(reference(found, self.form(Role::Plane)?)),
-            _ => Err(Self::IMPOSSIBLE),
+    /// One of two planes, and whether it is deep.
+    fn plane(&mut self) -> Result<(u32, bool), FormatError> {
+        match self.byte(KINDS).map(kind_of)? {
+            Kind::Plane => Ok((self.form(Role::Plane)?, false)),
+            Kind::Deep => Ok((self.form(Role::Plane)?, true)),
+            _ => Err(IMPOSSIBLE),
         }
     }
 

@@ -31,8 +31,8 @@
 //! ```text
 //! 0 depth   the depth itself, 0 to N (N: lit throughout)
 //! 1 plane   a form's number
-//! 2 pair    a node of two words. Numbers of two planes, front and back, are a *wedge*: the depth is the front's deep one, but where the
-//!           back's is less that, and no less than the front's. References to two planes or deep planes: the nearer one's depth
+//! 2 pair    a node of two words, two planes: bits 27..0 are a form's number, bit 28 is set for its deep one. Bits 31..29 of the first word
+//!           say what they are to each other ([`Pair`]); of the second they are zero
 //! 3 inner   a node of four words, references to four tiles of half the side, x fastest
 //! 4 cut     a node of three words: an edge's number, and references for the texels to its right and its left
 //! 5 cross   a node of six words: two edges' numbers, and four references; bit i of their order is set to the left of edge i
@@ -68,7 +68,7 @@ pub enum Kind {
     Depth,
     /// A plane.
     Plane,
-    /// Two planes: a wedge, or the nearer one.
+    /// Two planes.
     Pair,
     /// Four tiles.
     Inner,
@@ -82,7 +82,47 @@ pub enum Kind {
     Deep,
 }
 
+/// What two planes are to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pair {
+    /// Front and back of a solid's edge, none of them deep: the depth is the front's deep one, but where the back's is less that, and no
+    /// less than the front's.
+    Wedge,
+    /// The nearer one's depth.
+    Nearer,
+    /// The farther one's depth.
+    Farther,
+}
+
+impl Pair {
+    /// As a pair's first word has it.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(first: u32) -> Self {
+        match first >> PAYLOAD_BITS {
+            0 => Self::Wedge,
+            1 => Self::Nearer,
+            _ => Self::Farther,
+        }
+    }
+
+    /// A pair's words, given its planes' numbers and which ones are deep.
+    #[must_use]
+    pub fn to_words(self, planes: [(u32, bool); 2]) -> [u32; 2] {
+        let [first, second] = planes.map(|(number, is_deep)| number | (u32::from(is_deep) << DEEP_BIT));
+        [first | ((self as u32) << PAYLOAD_BITS), second]
+    }
+}
+
+/// A form's number in a pair's word, and whether its deep one is meant.
+#[inline(always)]
+#[must_use]
+pub fn plane_of_pair(word: u32) -> (usize, bool) {
+    ((word & ((1 << DEEP_BIT) - 1)) as usize, word >> DEEP_BIT & 1 != 0)
+}
+
 const PAYLOAD_BITS: u32 = 29;
+const DEEP_BIT: u32 = 28;
 
 /// Greatest payload of a reference.
 pub const MOST_PAYLOAD: u32 = (1 << PAYLOAD_BITS) - 1;
@@ -118,7 +158,7 @@ pub fn payload(reference: u32) -> usize {
 }
 
 /// A linear function over texels: a x + b y + c.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Form {
     /// Per texel along x.
     pub a: i32,
@@ -158,12 +198,6 @@ impl Form {
     }
 }
 
-/// Whether a word of a pair may be of a kind, given the first word's: numbers of forms are of kind 0.
-fn is_of_pair(kind: Kind, first: Kind) -> bool {
-    let is_plane = |kind| matches!(kind, Kind::Plane | Kind::Deep);
-    if first == Kind::Depth { kind == Kind::Depth } else { is_plane(kind) && is_plane(first) }
-}
-
 /// A pool that is being checked: the roots' trees must follow one another in it.
 pub struct Check<'a> {
     pool: &'a [u32],
@@ -186,7 +220,7 @@ impl<'a> Check<'a> {
             return Err(FormatError::Malformed("the silhouette pool's header is cut off or has stray words"));
         };
         let next = HEADER_WORDS as u64 + u64::from(forms) * FORM_WORDS as u64;
-        if next > pool.len() as u64 || forms > MOST_PAYLOAD {
+        if next > pool.len() as u64 || forms >> DEEP_BIT != 0 {
             return Err(FormatError::Malformed("the silhouette pool's forms do not fit in it"));
         }
         let shifts = pool[HEADER_WORDS..next as usize].chunks_exact(FORM_WORDS).map(|form| form[3] >> 24);
@@ -295,10 +329,12 @@ impl<'a> Check<'a> {
             Kind::Plane | Kind::Deep => self.form(at as u32),
             Kind::Pair => {
                 let words = self.node_words(at, 2)?;
-                if words.iter().any(|word| !is_of_pair(kind(*word), kind(words[0]))) {
-                    return Err(FormatError::Malformed("a pair is not made of two planes"));
+                let planes = [words[0], words[1]].map(plane_of_pair);
+                let is_deep_wedge = Pair::of(words[0]) == Pair::Wedge && (planes[0].1 || planes[1].1);
+                if words[0] >> PAYLOAD_BITS > Pair::Farther as u32 || words[1] >> PAYLOAD_BITS != 0 || is_deep_wedge {
+                    return Err(FormatError::Malformed("a pair of planes is none that there is"));
                 }
-                words.iter().try_for_each(|word| self.form(payload(*word) as u32))?;
+                planes.iter().try_for_each(|(number, _)| self.form(*number as u32))?;
                 self.node(at, 2)
             }
             _ => Err(FormatError::Malformed("a tile refers to something that is no depth")),

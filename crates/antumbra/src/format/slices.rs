@@ -154,7 +154,8 @@ mod tests {
     /// What is baked on one machine is looked up on another: a library whose logarithm changes must not pass unnoticed.
     #[test]
     fn tables_are_the_same_everywhere() {
-        let sum = |table: &[u32]| table.iter().fold(0u64, |sum, begin| sum.wrapping_mul(31).wrapping_add((*begin).into()));
+        let sum =
+            |table: &[u32]| table.iter().fold(0u64, |sum, begin| sum.wrapping_mul(31).wrapping_add((*begin).into()));
         let sums: Vec<u64> = [(1024, 1024.0), (4096, 40.5), (65_536, 1e5)]
             .map(|(slices, ratio)| sum(&table(slices, ratio, DepthDistribution::Logarithmic)))
             .into();

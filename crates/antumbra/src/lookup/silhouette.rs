@@ -1,7 +1,7 @@
 //! Lookups in the encoding [`silhouette`](crate::format::silhouette): a descent through a quadtree, then signs of edges and depths
 //! of planes, in whole numbers.
 
-use crate::format::silhouette::{Form, Kind, kind, payload};
+use crate::format::silhouette::{Form, Kind, Pair, kind, payload, plane_of_pair};
 use crate::format::slices::Spread;
 
 /// Descends from a tile of 2^`from` texels per side towards a texel, until a tile is no inner node or has 2^`to` texels per side.
@@ -36,10 +36,11 @@ struct Plane {
 enum Value {
     Depth(u32),
     Plane(Plane),
-    /// The nearer of two planes, but no nearer than another: max(least, min(pair)).
+    /// Two planes: max(least, min(most, other)).
     Pair {
         least: Option<Plane>,
-        pair: [Plane; 2],
+        most: Plane,
+        other: Option<Plane>,
     },
 }
 
@@ -47,20 +48,22 @@ impl Value {
     #[inline(always)]
     fn read(pool: &[u32], value: u32, spread: Spread<'_>) -> Self {
         let at = payload(value);
-        let plane = |number: usize| Plane { form: Form::read(pool, number), is_deep: false };
+        let plain = |number: usize| Plane { form: Form::read(pool, number), is_deep: false };
         let deep = |plane: Plane| Plane { form: spread.deep(plane.form), is_deep: true };
         match kind(value) {
             Kind::Depth => Self::Depth(at as u32),
-            Kind::Plane => Self::Plane(plane(at)),
-            Kind::Deep => Self::Plane(deep(plane(at))),
+            Kind::Plane => Self::Plane(plain(at)),
+            Kind::Deep => Self::Plane(deep(plain(at))),
             _ => {
                 let words = [pool[at], pool[at + 1]];
-                let [first, second] = words.map(|word| plane(payload(word)));
-                let of = |word: u32, plane: Plane| if kind(word) == Kind::Deep { deep(plane) } else { plane };
-                match kind(words[0]) {
-                    // A wedge: the front, its deep one and the back.
-                    Kind::Depth => Self::Pair { least: Some(first), pair: [deep(first), second] },
-                    _ => Self::Pair { least: None, pair: [of(words[0], first), of(words[1], second)] },
+                let [first, second] = words.map(plane_of_pair).map(|(number, is_deep)| {
+                    let plane = plain(number);
+                    if is_deep { deep(plane) } else { plane }
+                });
+                match Pair::of(words[0]) {
+                    Pair::Wedge => Self::Pair { least: Some(first), most: deep(first), other: Some(second) },
+                    Pair::Nearer => Self::Pair { least: None, most: first, other: Some(second) },
+                    Pair::Farther => Self::Pair { least: Some(first), most: second, other: None },
                 }
             }
         }
@@ -89,7 +92,7 @@ pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread
     match Value::read(pool, value, spread) {
         Value::Depth(depth) => depth,
         Value::Plane(plane) => of(plane),
-        Value::Pair { least, pair: [a, b] } => of(a).min(of(b)).max(least.map_or(0, of)),
+        Value::Pair { least, most, other } => of(most).min(other.map_or(u32::MAX, of)).max(least.map_or(0, of)),
     }
 }
 
@@ -143,7 +146,9 @@ impl<'a> Slice<'a> {
         match Value::read(self.pool, value, self.spread) {
             Value::Depth(depth) => self.z < depth,
             Value::Plane(plane) => is_before(plane),
-            Value::Pair { least, pair: [a, b] } => least.is_some_and(is_before) || (is_before(b) && is_before(a)),
+            Value::Pair { least, most, other } => {
+                least.is_some_and(is_before) || (other.is_none_or(is_before) && is_before(most))
+            }
         }
     }
 
@@ -231,8 +236,8 @@ impl<'a> Slice<'a> {
             Value::Depth(depth) if self.z < depth => Lit::All,
             Value::Depth(_) => Lit::None,
             Value::Plane(plane) => behind(plane),
-            Value::Pair { least, pair: [a, b] } => {
-                let nearer = || behind(b).choose(|| Lit::None, || behind(a));
+            Value::Pair { least, most, other } => {
+                let nearer = || other.map_or(Lit::All, behind).choose(|| Lit::None, || behind(most));
                 least.map_or(Lit::None, behind).choose(nearer, || Lit::All)
             }
         }
@@ -386,9 +391,9 @@ fn bounds_of_value(pool: &[u32], value: u32, rectangle: [[u32; 2]; 2], spread: S
     match Value::read(pool, value, spread) {
         Value::Depth(depth) => [depth; 2],
         Value::Plane(plane) => of(plane),
-        Value::Pair { least, pair } => {
-            let (least, [a, b]) = (least.map_or([0; 2], of), pair.map(of));
-            [0, 1].map(|end| least[end].max(a[end].min(b[end])))
+        Value::Pair { least, most, other } => {
+            let (least, most, other) = (least.map_or([0; 2], of), of(most), other.map_or([u32::MAX; 2], of));
+            [0, 1].map(|end| least[end].max(most[end].min(other[end])))
         }
     }
 }
@@ -433,13 +438,7 @@ const COLUMNS_LOG2: u32 = 3;
 
 /// Mean visibility of the cube of 2^`level` voxels per side that holds a voxel, below a tile of 2^`from` texels per side: over the lit
 /// length of each of its columns up to 8 x 8, and of wider ones over that of the 64 in the middles of its parts.
-pub(crate) fn mean(
-    pool: &[u32],
-    (tile, from): (u32, u32),
-    level: u32,
-    [x, y, z]: [u32; 3],
-    spread: Spread<'_>,
-) -> f32 {
+pub(crate) fn mean(pool: &[u32], (tile, from): (u32, u32), level: u32, [x, y, z]: [u32; 3], spread: Spread<'_>) -> f32 {
     let (tile, at) = descend(pool, tile, from, level, [x, y]);
     let first = z >> level << level;
     let lit_of = |depth: u32| depth.saturating_sub(first).min(1 << level);
