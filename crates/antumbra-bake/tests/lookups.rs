@@ -32,7 +32,7 @@ fn tap_by_tap(light: LightShadow<'_>, voxel: DVec3, taps: u32, kernel: Kernel) -
     for dy in -radius..=radius {
         for dx in -radius..=radius {
             let weight = match kernel {
-                Kernel::Box => 1,
+                Kernel::Box | Kernel::Continuous => 1,
                 Kernel::Tent => (radius + 1 - dx.abs()) * (radius + 1 - dy.abs()),
             };
             let tap = DVec3::new(voxel.x.floor() + dx as f64 + 0.5, voxel.y.floor() + dy as f64 + 0.5, voxel.z);

@@ -7,11 +7,11 @@ use std::sync::LazyLock;
 
 use antumbra::format::packed;
 use antumbra::format::silhouette::{self, Kind};
-use antumbra::{FacePoint, Filter, Interior, Kernel, LightShadow, ShadowFile};
+use antumbra::{FacePoint, Filter, Interior, Kernel, LightKind, LightShadow, ShadowFile};
 use antumbra_bake::{BakeError, BakeOptions, Encoding, Method, Silent, bake};
 use antumbra_scene::{Light, Scene, procedural};
 use common::{Checked, bake_for_check, cuboid, lamp, options, scene, spot, sun};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 
 static CITY: LazyLock<Scene> = LazyLock::new(|| {
@@ -134,6 +134,64 @@ fn what_is_exact_is_the_same_in_both_encodings() {
             let voxel = [i % 128, i / 128 % 128, i / 16384];
             assert_eq!(a.light().is_lit(face, voxel), b.light().is_lit(face, voxel), "face {face}, {voxel:?}");
         }
+    }
+}
+
+/// In the middle of a texel and at the end of a slice a continuous answer is the voxel's.
+#[test]
+fn continuous_lookups_pass_through_the_voxels() {
+    for light in
+        [sun([0.5, -0.6, 0.3]), lamp([3.0, 12.0, -4.0], 200.0), spot([10.0, 60.0, 5.0], [0.2, -1.0, 0.1], 40.0, 200.0)]
+    {
+        let baked = baked(&light, Encoding::Silhouette, 256);
+        let light = baked.light();
+        let mut lit = 0;
+        for face in 0..light.faces() {
+            for i in 0..256u32.pow(3) / 7 {
+                let voxel = [7 * i % 256, 7 * i / 256 % 256, 7 * i / 65536];
+                let [x, y, z] = voxel.map(f64::from);
+                let at = FacePoint { face, voxel: DVec3::new(x + 0.5, y + 0.5, z + 1.0 - 1e-9) };
+                assert_eq!(light.voxel_continuous(at), f32::from(light.is_lit(face, voxel)), "{face}, {voxel:?}");
+                lit += u32::from(light.is_lit(face, voxel));
+            }
+        }
+        assert!(lit > 1000);
+    }
+}
+
+/// Where shadows of a few boxes end, continuous lookups are wrong an order of magnitude less often than voxels.
+#[test]
+fn continuous_lookups_follow_the_casters_edges() {
+    let boxes = [([1.0, 2.0, -2.0], [0.7, 2.0, 0.5], 0.3), ([-3.0, 1.0, 1.0], [1.0, 1.0, 0.6], 1.1)];
+    let casters = boxes.map(|(center, half, turn)| cuboid(center, half, turn));
+    let scene = scene(casters.to_vec(), DAffine3::IDENTITY);
+    let direction = [0.37, -0.81, 0.45];
+    for light in [sun(direction), lamp([0.5, 9.0, 0.2], 30.0)] {
+        let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options(Interior::Auto, 64, 0) };
+        let baked = bake_for_check(&scene, &light, &options);
+        let shadow = baked.light();
+        let mut wrong = [0; 2];
+        for i in 0..200_000u32 {
+            // Spread evenly over the ground.
+            let part = |step: f64| (f64::from(i) * step).fract() * 16.0 - 8.0;
+            let point = DVec3::new(part(0.754_877_666), 0.0, part(0.569_840_291));
+            let towards = match shadow.kind() {
+                LightKind::Directional => -shadow.direction_world(),
+                _ => shadow.origin_world() - point,
+            };
+            let is_lit = !boxes.iter().any(|(center, half, turn)| {
+                let turned = DMat3::from_rotation_y(-turn);
+                let [from, to] = [turned * (point - DVec3::from_array(*center)), turned * towards];
+                let [a, b] = [-1.0, 1.0].map(|sign| (sign * DVec3::from_array(*half) - from) / to);
+                let (enter, exit) = (a.min(b).max_element(), a.max(b).min_element());
+                exit > enter.max(0.0)
+            });
+            for (wrong, filter) in wrong.iter_mut().zip([Filter::default(), Filter::continuous()]) {
+                *wrong += u32::from((shadow.filtered(point, None, filter) == 1.0) != is_lit);
+            }
+        }
+        println!("{}: {} of 200,000 wrong by voxels, {} between them", shadow.kind().name(), wrong[0], wrong[1]);
+        assert!(wrong[0] > 500 && wrong[1] * 8 < wrong[0], "{wrong:?}");
     }
 }
 

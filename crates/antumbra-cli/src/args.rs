@@ -1,8 +1,9 @@
 //! Arguments that several commands share, and how their values are read. What is not a value at all is a usage error.
 
-use antumbra::{Filter, Interior, Kernel};
+use antumbra::{Encoding, Filter, Interior, Kernel, ShadowFile};
 use antumbra_bake::light_space::Resolution;
 use antumbra_bake::{Blend, Inverted};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use glam::DVec3;
 
@@ -103,16 +104,34 @@ pub struct FilterArgs {
     /// Weights of the filter's taps
     #[arg(long, value_enum, default_value_t = KernelArg::Box)]
     pub kernel: KernelArg,
+    /// Hard shadows without texels: by the casters' own edges, between the middles of texels too. Needs a bake of silhouettes
+    #[arg(long, conflicts_with_all = ["filter", "kernel"])]
+    pub continuous: bool,
 }
 
 impl FilterArgs {
     /// The filter, of `default_taps` unless told otherwise.
     pub fn filter(&self, default_taps: u32) -> anyhow::Result<Filter> {
+        if self.continuous {
+            return Ok(Filter::continuous());
+        }
         let kernel = match self.kernel {
             KernelArg::Box => Kernel::Box,
             KernelArg::Tent => Kernel::Tent,
         };
         Ok(Filter::new(self.filter.unwrap_or(default_taps), kernel)?)
+    }
+}
+
+impl FilterArgs {
+    /// The same, for lookups in a file: continuous ones need silhouettes.
+    pub fn of_file(&self, default_taps: u32, file: &ShadowFile) -> anyhow::Result<Filter> {
+        if self.continuous && file.encoding() != Encoding::Silhouette {
+            bail!(
+                "--continuous needs silhouettes, which know the casters' edges; bake again with --encoding silhouette"
+            );
+        }
+        self.filter(default_taps)
     }
 }
 

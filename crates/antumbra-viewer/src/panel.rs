@@ -128,7 +128,8 @@ fn shadows(ui: &mut Ui, settings: &mut Settings, facts: &Facts<'_>) {
     let mut radius = settings.taps / 2;
     ui.add(Slider::new(&mut radius, 0..=8).text("filter").custom_formatter(|r, _| format!("{0} x {0}", 2.0 * r + 1.0)));
     settings.taps = 2 * radius + 1;
-    choose(ui, "kernel", &mut settings.kernel, &[(Kernel::Box, "box"), (Kernel::Tent, "tent")]);
+    let kernels = [(Kernel::Box, "box"), (Kernel::Tent, "tent"), (Kernel::Continuous, "continuous (no taps)")];
+    choose(ui, "kernel", &mut settings.kernel, &kernels);
     match settings.technique {
         Technique::Baked => {
             let mut ways = vec![(Averaging::None, "none"), (Averaging::Mean, "mean of the footprint")];

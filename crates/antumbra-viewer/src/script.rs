@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! wait-bake                        wait for the bake in the background
-//! set KEY VALUE                    technique baked|maps|none, filter K, kernel box|tent, prefilter none|mean|levels,
+//! set KEY VALUE                    technique baked|maps|none, filter K, kernel box|tent|continuous, prefilter none|mean|levels,
 //!                                  penumbra DEG, cascades N, lists tiled|clustered, time day|night|auto, samples N,
 //!                                  fog PER-METRE, sun AZ,EL, scatter G; area lights: area on|off,
 //!                                  shape rectangle|disc|sphere|environment, light X,Y,Z, aim X,Y,Z, size W,H, color R,G,B,
@@ -111,7 +111,8 @@ pub(crate) fn set(settings: &mut Settings, key: &str, value: &str) -> Result<(),
             settings.kernel = match value {
                 "box" => Kernel::Box,
                 "tent" => Kernel::Tent,
-                _ => return Err(one_of("box, tent")),
+                "continuous" => Kernel::Continuous,
+                _ => return Err(one_of("box, tent, continuous")),
             }
         }
         "prefilter" => {

@@ -84,7 +84,10 @@ impl Settings {
     }
 
     pub fn filter(&self) -> Filter {
-        Filter::new(self.taps, self.kernel).unwrap_or_default()
+        match self.kernel {
+            Kernel::Continuous => Filter::continuous(),
+            kernel => Filter::new(self.taps, kernel).unwrap_or_default(),
+        }
     }
 
     /// How to look up shadows; `bake` is what the lights have, if anything.

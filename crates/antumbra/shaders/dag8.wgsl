@@ -213,3 +213,8 @@ fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> Antumbr
     let is_lit = ((word >> (8u * (voxel.y & 3u) + (voxel.x & 7u))) & 1u) != 0u;
     return AntumbraCell(voxel, voxel + 1u, is_lit);
 }
+
+// Whether a place in a voxel of a face is lit: here that of the voxel.
+fn antumbra_place_is_lit(face: AntumbraFace, voxel: vec3<u32>, place: vec3<f32>) -> bool {
+    return antumbra_voxel_is_lit(face, voxel);
+}

@@ -4,6 +4,8 @@
 
 const ANTUMBRA_BOX: u32 = 0u;
 const ANTUMBRA_TENT: u32 = 1u;
+// Of radius 0: by the casters' own edges and planes, between the middles of texels too, where the file has silhouettes.
+const ANTUMBRA_CONTINUOUS: u32 = 3u;
 
 struct AntumbraFilter {
     // Taps on either side of the middle one: 0 to 8.
@@ -30,22 +32,22 @@ struct AntumbraWindow {
 
 // Weight along one axis of the tap at a distance from the middle.
 fn antumbra_axis_weight(filter_: AntumbraFilter, distance: u32) -> u32 {
-    if filter_.kernel == ANTUMBRA_BOX {
+    if filter_.kernel != ANTUMBRA_TENT {
         return select(0u, 1u, distance <= filter_.radius);
     }
     return max(filter_.radius + 1u, distance) - distance;
 }
 
 fn antumbra_all_weight(filter_: AntumbraFilter) -> u32 {
-    let side = select(filter_.radius + 1u, 2u * filter_.radius + 1u, filter_.kernel == ANTUMBRA_BOX);
+    let side = select(filter_.radius + 1u, 2u * filter_.radius + 1u, filter_.kernel != ANTUMBRA_TENT);
     // A tent's weights add up to the square of its middle one.
-    let axis = select(side * side, side, filter_.kernel == ANTUMBRA_BOX);
+    let axis = select(side * side, side, filter_.kernel != ANTUMBRA_TENT);
     return axis * axis;
 }
 
 // Weight of all taps from one texel to another along an axis.
 fn antumbra_run_weight(filter_: AntumbraFilter, center: i32, first: i32, last: i32) -> u32 {
-    if filter_.kernel == ANTUMBRA_BOX {
+    if filter_.kernel != ANTUMBRA_TENT {
         return u32(last + 1 - first);
     }
     var sum = 0u;
@@ -108,7 +110,7 @@ fn antumbra_mask_weight(w: AntumbraWindow, mask: vec2<u32>, corner: vec2<i32>) -
         return antumbra_rectangle_weight(w, part.xy, part.zw);
     }
     let chosen = mask & antumbra_window_mask(w, corner);
-    if w.filter_.kernel == ANTUMBRA_BOX {
+    if w.filter_.kernel != ANTUMBRA_TENT {
         return countOneBits(chosen.x) + countOneBits(chosen.y);
     }
     return antumbra_tent_rows(w, chosen.x, corner) + antumbra_tent_rows(w, chosen.y, corner + vec2(0, 4));

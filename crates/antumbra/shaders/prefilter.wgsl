@@ -83,7 +83,7 @@ fn antumbra_levels(
     filter_: AntumbraFilter,
 ) -> f32 {
     let frame = antumbra_frame(light, point);
-    let width = select(f32(filter_.radius) + 1.0, 2.0 * f32(filter_.radius) + 1.0, filter_.kernel == ANTUMBRA_BOX);
+    let width = select(f32(filter_.radius) + 1.0, 2.0 * f32(filter_.radius) + 1.0, filter_.kernel != ANTUMBRA_TENT);
     let octave = antumbra_octave(footprint_m / (frame.texel_m * width));
     var level = u32(octave.x);
     var share = octave.y;

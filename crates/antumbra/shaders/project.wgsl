@@ -175,5 +175,9 @@ fn antumbra_filtered(light: AntumbraLight, point: vec3<f32>, normal: vec3<f32>, 
         return 0.0;
     }
     let at = antumbra_project(light, point + normal * antumbra_bias_m(light, point, normal, filter_));
-    return antumbra_voxel_filtered(antumbra_face(light, 0u, at.face), at.voxel, filter_);
+    let face = antumbra_face(light, 0u, at.face);
+    if filter_.kernel == ANTUMBRA_CONTINUOUS {
+        return antumbra_voxel_continuous(face, at.voxel, at.fraction);
+    }
+    return antumbra_voxel_filtered(face, at.voxel, filter_);
 }

@@ -319,6 +319,56 @@ fn antumbra_voxel_is_lit(face: AntumbraFace, voxel: vec3<u32>) -> bool {
     return antumbra_tile_is_lit(start.node, start.level, texel, antumbra_slice_of(face, voxel.z));
 }
 
+// A form's value at a place, so far from its texel's middle, less a whole number: small where its sign is in doubt.
+fn antumbra_value_less(form: AntumbraForm, texel: vec2<u32>, rest: vec2<f32>, less: vec2<u32>) -> f32 {
+    let whole = antumbra_plus(antumbra_form_at(form, texel), antumbra_plus(~less, vec2(1u, 0u)));
+    let size = select(whole, antumbra_plus(~whole, vec2(1u, 0u)), antumbra_is_negative(whole));
+    let value = f32(size.y) * 4294967296.0 + f32(size.x);
+    return select(value, -value, antumbra_is_negative(whole)) + dot(vec2(f32(form.a), f32(form.b)), rest);
+}
+
+// Whether a place in a voxel of a face is lit, by edges and planes there: so far from the texel's middle sideways, such a share of the slice behind
+// its beginning.
+fn antumbra_place_is_lit(face: AntumbraFace, voxel: vec3<u32>, place: vec3<f32>) -> bool {
+    let start = antumbra_start(face, voxel.xy);
+    let leaf = antumbra_descend(start.node, start.level, 0u, voxel.xy).node;
+    let edges = antumbra_edges(leaf);
+    var sides = 0u;
+    for (var i = 0u; i < edges; i++) {
+        let edge = antumbra_form(antumbra_word(antumbra_payload(leaf) + i));
+        sides |= u32(antumbra_value_less(edge, voxel.xy, place.xy, vec2(0u)) >= 0.0) << i;
+    }
+    let part = antumbra_part(leaf, edges, sides);
+    if antumbra_kind(part) == ANTUMBRA_DEPTH {
+        return voxel.z < antumbra_payload(part);
+    }
+    if antumbra_kind(part) == ANTUMBRA_MASKS {
+        return antumbra_bit(antumbra_turn(part, voxel.z), voxel.xy);
+    }
+    // The values with which planes lie behind a whole slice are those of its end.
+    let spread = antumbra_slices(face);
+    let end = antumbra_least_behind(spread, voxel.z);
+    let width = select(antumbra_least_behind(spread, 1u) - end, end - antumbra_least_behind(spread, max(voxel.z, 1u) - 1u), voxel.z > 0u);
+    let planes = antumbra_planes(part);
+    for (var i = planes.x; i < planes.y; i++) {
+        let plane = antumbra_plane(part, i, face.slices == 0u);
+        let least = select(vec2(end.x, width.x), vec2(end.y, width.y), plane.is_deep);
+        let more = place.z * f32(least.y) * f32(1u << plane.shift);
+        let value = antumbra_value_less(plane, voxel.xy, place.xy, antumbra_begin(least, plane.shift));
+        let is_before = value >= more;
+        if is_before == (i == 0u) {
+            return is_before;
+        }
+    }
+    return planes.y > 1u;
+}
+
+// The value at the beginning of a slice whose end and width are given, which may be negative.
+fn antumbra_begin(slice: vec2<u32>, shift: u32) -> vec2<u32> {
+    let width = antumbra_lifted(slice.y, shift);
+    return antumbra_plus(antumbra_lifted(slice.x, shift), antumbra_plus(~width, vec2(1u, 0u)));
+}
+
 // Which sides of a leaf's edges a rectangle of texels touches, both ends in it: 1 right, 2 left.
 fn antumbra_touched(leaf: u32, edges: u32, rectangle: vec4<u32>) -> vec2<u32> {
     var touched = vec2(1u);

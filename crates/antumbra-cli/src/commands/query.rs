@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use antumbra::{Filter, LightShadow, Prefilter};
+use antumbra::{Filter, LightShadow, Prefilter, ShadowFile};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::DVec3;
@@ -39,7 +39,7 @@ pub struct Args {
     ///
     /// A segment of no length, or with an end that is not finite, is as lit as its point. Multiply a share by its segment's
     /// length for the lit length.
-    #[arg(long, value_name = "T.npy", conflicts_with_all = ["normals", "filter", "lod", "footprint", "blocker"])]
+    #[arg(long, value_name = "T.npy", conflicts_with_all = ["normals", "filter", "continuous", "lod", "footprint", "blocker"])]
     to: Option<PathBuf>,
     #[command(flatten)]
     filter: FilterArgs,
@@ -56,7 +56,7 @@ pub struct Args {
     /// Instead of visibility: bounds on the distance of the surfaces that shadow a point, least and greatest (an array of
     /// shape (n, 2); NaN where nothing does), within so many metres about it across the light. Needs a bake with
     /// --enter-depths
-    #[arg(long, value_name = "RADIUS", value_parser = args::parse_metres, conflicts_with_all = ["lod", "footprint", "filter", "normals"])]
+    #[arg(long, value_name = "RADIUS", value_parser = args::parse_metres, conflicts_with_all = ["lod", "footprint", "filter", "continuous", "normals"])]
     blocker: Option<f64>,
     /// Where to write: a float32 array of shape (n,)
     #[arg(short, long, value_name = "V.npy")]
@@ -96,9 +96,12 @@ enum Question {
 }
 
 impl Question {
-    fn new(args: &Args, light: LightShadow<'_>) -> Result<Self> {
-        let filter = args.filter.filter(1)?;
+    fn new(args: &Args, file: &ShadowFile, light: LightShadow<'_>) -> Result<Self> {
+        let filter = args.filter.of_file(1, file)?;
         let by_level = args.lod.is_some() || args.footprint.is_some();
+        if args.filter.continuous && by_level {
+            bail!("--continuous lookups are of points: leave out --lod and --footprint");
+        }
         if by_level && args.prefilter == PrefilterArg::Levels && !light.has_levels() {
             bail!("{} holds no coarse levels; bake it with --levels, or use --prefilter mean", args.file.display());
         }
@@ -139,7 +142,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(radius_m) = args.blocker {
         return find_blockers(args, light, &points, radius_m, &pool, progress, &output);
     }
-    let question = Question::new(args, light)?;
+    let question = Question::new(args, &file, light)?;
     let start = Instant::now();
     let values = pool.install(|| match &ends {
         Some(ends) => lit_shares(light, &points, ends),

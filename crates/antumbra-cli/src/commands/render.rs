@@ -200,6 +200,11 @@ fn is_baked(args: &Args) -> Result<bool> {
             if args.prefilter != PrefilterArg::None && !baked {
                 bail!("--prefilter averages baked shadows: name a bake with --shadows FILE, and no other --technique");
             }
+            if args.filter.continuous && !baked {
+                bail!(
+                    "--continuous looks up a bake of silhouettes: name one with --shadows FILE, and no other --technique"
+                );
+            }
             Ok(baked)
         }
     }
@@ -207,7 +212,10 @@ fn is_baked(args: &Args) -> Result<bool> {
 
 /// The bake as a source of shadows, filtered as wished.
 fn looked_up<'a>(args: &Args, file: &'a ShadowFile) -> Result<ShadowSource<'a>> {
-    let filter = args.filter.filter(1)?;
+    let filter = args.filter.of_file(1, file)?;
+    if args.filter.continuous && (args.penumbra.is_some() || args.prefilter != PrefilterArg::None) {
+        bail!("--continuous shadows are hard: leave out --penumbra and --prefilter");
+    }
     if let Some(degrees) = args.penumbra {
         if !(degrees > 0.0 && degrees <= 30.0) {
             bail!("--penumbra {degrees}: give more than 0 and at most 30 degrees");

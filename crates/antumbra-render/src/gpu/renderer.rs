@@ -662,6 +662,7 @@ fn set_lookup(frame: &mut Frame, lookup: Lookup) {
     frame.kernel = match filter.kernel() {
         _ if matches!(lookup, Lookup::Maps(_, MapFilter::Bilinear)) => 2,
         FilterKernel::Tent => 1,
+        FilterKernel::Continuous => 3,
         FilterKernel::Box => 0,
     };
 }

@@ -9,6 +9,9 @@ pub enum Kernel {
     Box,
     /// Weights fall off linearly from the middle, along x and y separately (their product is a tap's weight).
     Tent,
+    /// No taps: whether the point itself is lit, by the casters' own edges and planes, which the encoding `silhouette` knows between
+    /// the middles of texels too ([`Filter::continuous`]). Elsewhere as a single tap.
+    Continuous,
 }
 
 /// A square PCF filter of K x K texels, K odd, at one depth.
@@ -32,9 +35,22 @@ impl Filter {
     /// K x K taps of the given kernel.
     ///
     /// # Errors
-    /// [`FilterError`] unless `taps` is odd and at most 17.
+    /// [`FilterError`] unless `taps` is odd and at most 17, of continuous lookups 1.
     pub fn new(taps: u32, kernel: Kernel) -> Result<Self, FilterError> {
+        if kernel == Kernel::Continuous && taps != 1 {
+            return Err(FilterError { taps });
+        }
         if taps % 2 == 1 && taps <= MAX_TAPS { Ok(Self { taps, kernel }) } else { Err(FilterError { taps }) }
+    }
+
+    /// A hard shadow without texels: its edges run where the casters' do, however near they are seen.
+    ///
+    /// Files of the encoding `silhouette` alone know that; of others it is a plain lookup. Between the middles of texels an answer is not
+    /// held against the voxels': where an edge leaves a tile between two rows of middles, a shadow may end up to half a texel beside it, and where
+    /// only masks tell the depths (foliage) there are texels still.
+    #[must_use]
+    pub fn continuous() -> Self {
+        Self { taps: 1, kernel: Kernel::Continuous }
     }
 
     /// K x K taps of equal weight.
@@ -83,7 +99,7 @@ impl Filter {
         let radius = self.radius();
         match self.kernel {
             _ if distance > radius => 0,
-            Kernel::Box => 1,
+            Kernel::Box | Kernel::Continuous => 1,
             Kernel::Tent => radius + 1 - distance,
         }
     }
@@ -92,7 +108,7 @@ impl Filter {
     #[must_use]
     pub fn width(self) -> u32 {
         match self.kernel {
-            Kernel::Box => self.taps,
+            Kernel::Box | Kernel::Continuous => self.taps,
             Kernel::Tent => self.radius() + 1,
         }
     }
@@ -101,7 +117,7 @@ impl Filter {
     #[must_use]
     pub fn axis_weight(self) -> u32 {
         match self.kernel {
-            Kernel::Box => self.taps,
+            Kernel::Box | Kernel::Continuous => self.taps,
             Kernel::Tent => (self.radius() + 1) * (self.radius() + 1),
         }
     }

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::filter::Filter;
+use super::continuous;
+use super::filter::{Filter, Kernel};
 use super::many;
 use super::pcf;
 use super::point::is_lit;
@@ -169,10 +170,23 @@ impl<'a> LightShadow<'a> {
     #[inline]
     #[must_use]
     pub fn voxel_filtered(self, at: FacePoint, filter: Filter) -> f32 {
+        if filter.kernel() == Kernel::Continuous {
+            return self.voxel_continuous(at);
+        }
         if filter.taps() == 1 {
             return self.voxel_visibility(at);
         }
         pcf::filtered(self.source(at.face), self.record().resolution(), at.voxel, filter)
+    }
+
+    /// Visibility at real-valued voxel coordinates of a face by the edges and planes of silhouettes, at these coordinates themselves rather
+    /// than in the middle of their voxel: 0 or 1; cones do not count. Of the encoding `dag8` that of the voxel. See [`Filter::continuous`].
+    #[must_use]
+    pub fn voxel_continuous(self, at: FacePoint) -> f32 {
+        if !self.is_silhouette() || clamp_to_volume(at.voxel, f64::from(self.record().resolution())).is_none() {
+            return self.voxel_visibility(at);
+        }
+        f32::from(continuous::is_lit(&self.file.pool, self.top_grid(at.face), at.voxel, self.spread()))
     }
 
     /// How far along a unit normal a filtered lookup moves off its surface, metres: see [`LightShadow::filtered`].

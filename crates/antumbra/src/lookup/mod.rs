@@ -7,6 +7,7 @@
 //! outside a spot light's cone is shadowed.
 
 pub mod blocker;
+pub(crate) mod continuous;
 pub mod filter;
 pub mod light;
 pub(crate) mod many;

@@ -179,7 +179,7 @@ impl<'a> Window<'a> {
         if rows.iter().all(|row| *row == 0) {
             return 0;
         }
-        if self.filter.kernel() == Kernel::Box {
+        if self.filter.kernel() != Kernel::Tent {
             return rows.iter().map(|row| row.count_ones()).sum();
         }
         let weight =
@@ -217,7 +217,7 @@ impl<'a> Window<'a> {
             0 => 0,
             u64::MAX => self.rectangle_weight(first, last),
             mask => match self.filter.kernel() {
-                Kernel::Box => (mask & rectangle_mask(corner, first, last)).count_ones(),
+                Kernel::Box | Kernel::Continuous => (mask & rectangle_mask(corner, first, last)).count_ones(),
                 Kernel::Tent => self.tent_weight(mask & rectangle_mask(corner, first, last), corner),
             },
         }
@@ -245,7 +245,7 @@ impl<'a> Window<'a> {
     #[inline]
     fn rectangle_weight(&self, first: [i32; 2], last: [i32; 2]) -> u32 {
         let axis = |a: usize| match self.filter.kernel() {
-            Kernel::Box => (last[a] + 1 - first[a]) as u32,
+            Kernel::Box | Kernel::Continuous => (last[a] + 1 - first[a]) as u32,
             Kernel::Tent => (first[a]..=last[a]).map(|c| self.filter.weight(self.center[a].abs_diff(c))).sum(),
         };
         axis(0) * axis(1)

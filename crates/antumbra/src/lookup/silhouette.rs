@@ -27,13 +27,13 @@ fn region(pool: &[u32], tile: u32, texel: [u32; 2]) -> u32 {
 
 /// A plane of a value, or its deep one.
 #[derive(Clone, Copy)]
-struct Plane {
-    form: Form,
-    is_deep: bool,
+pub(crate) struct Plane {
+    pub form: Form,
+    pub is_deep: bool,
 }
 
 /// What a reference to a depth stands for.
-enum Value {
+pub(crate) enum Value {
     Depth(u32),
     Plane(Plane),
     /// Two planes: max(least, min(most, other)).
@@ -46,7 +46,7 @@ enum Value {
 
 impl Value {
     #[inline(always)]
-    fn read(pool: &[u32], value: u32, spread: Spread<'_>) -> Self {
+    pub fn read(pool: &[u32], value: u32, spread: Spread<'_>) -> Self {
         let at = payload(value);
         let plain = |number: usize| Plane { form: Form::read(pool, number), is_deep: false };
         let deep = |plane: Plane| Plane { form: spread.deep(plane.form), is_deep: true };
@@ -96,6 +96,21 @@ pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread
     }
 }
 
+/// How many edges cut a leaf.
+pub(crate) fn edges(leaf: u32) -> usize {
+    match kind(leaf) {
+        Kind::Cut => 1,
+        Kind::Cross => 2,
+        _ => 0,
+    }
+}
+
+/// The texels of a tile of masks that are lit in a slice.
+#[inline]
+pub(crate) fn turn(pool: &[u32], tile: u32, slice: u32) -> u64 {
+    turns(pool, tile).take_while(|(depth, _)| *depth <= slice).last().map_or(u64::MAX, |(_, lit)| lit)
+}
+
 fn turns(pool: &[u32], tile: u32) -> impl Iterator<Item = (u32, u64)> + '_ {
     let at = payload(tile);
     let words = &pool[at + 1..at + 1 + 3 * pool[at] as usize];
@@ -139,7 +154,7 @@ impl<'a> Slice<'a> {
         let (tile, _) = descend(self.pool, tile, level, 0, texel);
         let value = match kind(tile) {
             Kind::Cut | Kind::Cross => region(self.pool, tile, texel),
-            Kind::Masks => return self.turn(tile) >> (8 * (texel[1] & 7) + (texel[0] & 7)) & 1 != 0,
+            Kind::Masks => return turn(self.pool, tile, self.z) >> (8 * (texel[1] & 7) + (texel[0] & 7)) & 1 != 0,
             _ => tile,
         };
         let is_before = |plane: Plane| self.behind(plane).at(texel) >= 0;
@@ -204,7 +219,7 @@ impl<'a> Slice<'a> {
                 let (a, b) = (left(0), left(1));
                 b.choose(|| a.choose(|| value(2), || value(3)), || a.choose(|| value(4), || value(5)))
             }
-            Kind::Masks => self.lit_of_mask(self.turn(leaf), rectangle),
+            Kind::Masks => self.lit_of_mask(turn(self.pool, leaf, self.z), rectangle),
             _ => self.lit_of_value(leaf, rectangle),
         }
     }
@@ -220,12 +235,6 @@ impl<'a> Slice<'a> {
             }
         }
         Lit::Rows(rows)
-    }
-
-    /// A tile's texels that are lit in this slice.
-    #[inline]
-    fn turn(&self, tile: u32) -> u64 {
-        turns(self.pool, tile).take_while(|(depth, _)| *depth <= self.z).last().map_or(u64::MAX, |(_, lit)| lit)
     }
 
     /// Where a depth lies behind this slice.
