@@ -167,14 +167,14 @@ fn continuous_lookups_follow_the_casters_edges() {
     let scene = scene(casters.to_vec(), DAffine3::IDENTITY);
     let direction = [0.37, -0.81, 0.45];
     for light in [sun(direction), lamp([0.5, 9.0, 0.2], 30.0)] {
-        let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options(Interior::Auto, 64, 0) };
+        let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options(Interior::Auto, 512, 0) };
         let baked = bake_for_check(&scene, &light, &options);
         let shadow = baked.light();
         let mut wrong = [0; 2];
-        for i in 0..200_000u32 {
-            // Spread evenly over the ground.
+        for i in 0..2_000_000u32 {
+            // Spread evenly below the casters.
             let part = |step: f64| (f64::from(i) * step).fract() * 16.0 - 8.0;
-            let point = DVec3::new(part(0.754_877_666), 0.0, part(0.569_840_291));
+            let point = DVec3::new(part(0.754_877_666), -2.0, part(0.569_840_291));
             let towards = match shadow.kind() {
                 LightKind::Directional => -shadow.direction_world(),
                 _ => shadow.origin_world() - point,
@@ -190,8 +190,8 @@ fn continuous_lookups_follow_the_casters_edges() {
                 *wrong += u32::from((shadow.filtered(point, None, filter) == 1.0) != is_lit);
             }
         }
-        println!("{}: {} of 200,000 wrong by voxels, {} between them", shadow.kind().name(), wrong[0], wrong[1]);
-        assert!(wrong[0] > 500 && wrong[1] * 8 < wrong[0], "{wrong:?}");
+        println!("{}: {} of 2,000,000 wrong by voxels, {} between them", shadow.kind().name(), wrong[0], wrong[1]);
+        assert!(wrong[0] > 300 && wrong[1] * 8 < wrong[0], "{wrong:?}");
     }
 }
 
@@ -222,7 +222,7 @@ fn what_the_encoding_does_not_know_is_refused() {
     };
     let others = refused(BakeOptions { method: Method::Kampe2015, ..options(Interior::Auto, 64, 1) });
     assert!(matches!(others, Err(BakeError::Method("kampe2015"))));
-    let small = BakeOptions { memory_limit: Some(30 << 20), ..options(Interior::Open, 8192, 1) };
+    let small = BakeOptions { memory_limit: Some(15 << 20), ..options(Interior::Open, 8192, 1) };
     assert!(matches!(refused(small), Err(BakeError::Memory { .. })));
 }
 

@@ -25,9 +25,9 @@ struct Table {
     /// For each bucket of depths, the slice of its nearest step.
     buckets: Vec<u32>,
     index: BucketIndex,
-    /// From one slice to the next the steps that remain to infinity shrink by e to this, or they grow by so many.
-    decay: f64,
-    width: f64,
+    /// What a depth becomes one slice and a half nearer, and one nearer.
+    nearer: [Moved; 2],
+    half_of_deep: Moved,
 }
 
 /// How depths fall into buckets.
@@ -58,6 +58,7 @@ impl Slices {
     pub fn local(resolution: Resolution, far_over_near: f64, distribution: DepthDistribution) -> Self {
         let n = resolution.texels();
         let begins: Vec<u32> = (0..=n).map(|slice| begin(slice, n, far_over_near, distribution)).collect();
+        // From one slice to the next the steps that remain to infinity shrink by e to this, or they grow by so many.
         let (index, decay, width) = match distribution {
             DepthDistribution::Ndc => {
                 let width = (1.0 - 1.0 / far_over_near) / f64::from(n) * DEPTH_STEPS;
@@ -68,8 +69,16 @@ impl Slices {
                 (BucketIndex::Logarithmic { fraction_bits }, libm::log(far_over_near) / f64::from(n), 0.0)
             }
         };
+        let nearer = |slices: f64| {
+            let more = -libm::expm1(slices * decay) * DEPTH_STEPS - slices * width;
+            Moved { share: libm::exp(slices * decay), more }
+        };
+        // From the middle between a slice's beginning and that of the one before.
+        let share = 2.0 / (1.0 + libm::exp(decay));
+        let half_of_deep = Moved { share, more: (1.0 - share) * DEPTH_STEPS + 0.5 * width };
         let buckets = index.buckets(&begins);
-        Self { resolution, table: Some(Table { begins, buckets, index, decay, width }) }
+        let nearer = [nearer(1.5), nearer(1.0)];
+        Self { resolution, table: Some(Table { begins, buckets, index, nearer, half_of_deep }) }
     }
 
     /// Texels per side and slices.
@@ -162,32 +171,30 @@ impl Slices {
         }
     }
 
-    /// What a depth becomes, in units, if it is moved away by so many slices: its own share of it, and what is added. Planes stay planes.
+    /// What a depth becomes, in units, as the value of a plane there whose first shadowed slice is its own, or the next one. Planes stay planes.
     #[inline]
     #[must_use]
-    pub fn moved_by(&self, slices: f64) -> Moved {
+    pub fn value_of(&self, is_next: bool) -> Moved {
         match &self.table {
-            None => Moved { share: 1.0, more: slices },
-            Some(table) => {
-                // The steps to infinity shrink.
-                let share = libm::exp(-slices * table.decay);
-                Moved { share, more: -libm::expm1(-slices * table.decay) * DEPTH_STEPS + slices * table.width }
-            }
+            None => Moved { share: 1.0, more: f64::from(u32::from(is_next)) },
+            // The first shadowed slice is the next to that of the value.
+            Some(_) if is_next => Moved::UNMOVED,
+            Some(table) => table.nearer[1],
         }
+    }
+
+    /// The same of a plane half a slice nearer.
+    #[inline]
+    #[must_use]
+    pub fn value_before(&self) -> Moved {
+        self.table.as_ref().map_or(Moved { share: 1.0, more: -0.5 }, |table| table.nearer[0])
     }
 
     /// By how much the depth of a deep plane's value lies behind that of the same value of another: half a slice, as [`Spread`] has it.
     #[inline]
     #[must_use]
     pub fn half_of_deep(&self) -> Moved {
-        match &self.table {
-            None => Moved { share: 1.0, more: 0.0 },
-            Some(table) => {
-                // The middle between a slice's beginning and that of the one before.
-                let share = 2.0 / (1.0 + libm::exp(table.decay));
-                Moved { share, more: (1.0 - share) * DEPTH_STEPS + 0.5 * table.width }
-            }
-        }
+        self.table.as_ref().map_or(Moved::UNMOVED, |table| table.half_of_deep)
     }
 
     /// Bytes that the table takes.
@@ -206,6 +213,8 @@ pub struct Moved {
 }
 
 impl Moved {
+    const UNMOVED: Self = Self { share: 1.0, more: 0.0 };
+
     /// The depth that a depth becomes.
     #[inline(always)]
     #[must_use]

@@ -116,6 +116,8 @@ impl Surface {
 const SLOPE_BITS: i32 = 30;
 /// Most bits behind the binary point of planes that count in slices, and of those that count in lattice steps.
 const MOST_SHIFT: [i32; 2] = [30, 22];
+/// 1.5 * 2^52: doubles near it are whole numbers.
+const ROUNDER: f64 = (3u64 << 51) as f64;
 /// Bits of a slice that a hair is.
 const HAIR_BITS: u32 = 12;
 /// A hair in lattice steps.
@@ -152,7 +154,8 @@ fn rounded_slopes(slope: [f64; 2], least_shift: u32, most_shift: i32) -> Option<
     let shift = if steepest > 0.0 { SLOPE_BITS - 1 - exponent(steepest) } else { most_shift };
     let shift = u32::try_from(shift.min(most_shift)).ok().filter(|shift| *shift >= least_shift)?;
     let one = (1i64 << shift) as f64;
-    Some((slope.map(|s| (s * one).round_ties_even() as i64), shift))
+    // Adding so much rounds to a whole number.
+    Some((slope.map(|s| ((s * one + ROUNDER) - ROUNDER) as i64), shift))
 }
 
 fn plane_in_slices(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
@@ -172,8 +175,7 @@ fn plane_in_slices(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Opt
 
 fn plane_in_steps(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
     let steps = slices.resolution().texel_steps();
-    // The first shadowed slice is the next to the value's.
-    let moved = slices.moved_by(if side == Side::Before { -1.5 } else { 0.0 });
+    let moved = if side == Side::Before { slices.value_before() } else { slices.value_of(true) };
     let ([a, b], shift) = rounded_slopes(triangle.slope.map(|s| s * steps as f64 * moved.share), 0, MOST_SHIFT[1])?;
     let at_corner = (moved.of(f64::from(triangle.z[0])) * (1i64 << shift) as f64) as i64;
     let hair = if side == Side::Past { HAIR_STEPS << shift } else { 0 };

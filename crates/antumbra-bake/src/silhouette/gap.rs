@@ -83,8 +83,7 @@ impl Gap {
         let error = ERROR[usize::from(!slices.are_even())];
         let mut gap = Self { fronts: Vec::new(), backs: Vec::new(), before: Vec::new(), behind: Vec::new(), error };
         let at_corners = tile.corners(slices.resolution());
-        // A plane's depth is the slice of its value, of a local light the next to it.
-        let [next, own] = [1.0, 0.0].map(|by| slices.moved_by(if slices.are_even() { by } else { by - 1.0 }));
+        let [next, own] = [true, false].map(|is_next| slices.value_of(is_next));
         for entry in entries {
             let t = &forms.triangles[entry.triangle as usize];
             if t.is_edge_on() || entry.triangle > Plane::MOST_TRIANGLES {

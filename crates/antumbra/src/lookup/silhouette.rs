@@ -273,43 +273,30 @@ impl<'a> Slice<'a> {
         if greatest < 0 {
             return Lit::None;
         }
-        // One value is negative and one is not, so that all lie within the sum of rises: most often in 32 bits.
-        let size = steps.map(|step| step as usize + 1);
-        let negative = if greatest - least <= i64::from(i32::MAX) {
-            negative_in_rows([corner, a, b].map(|c| c as i32), i32::wrapping_add, size)
-        } else {
-            negative_in_rows([corner, a, b], i64::wrapping_add, size)
-        };
-        // Along a row those that are negative lie together at one end.
-        let all = (1u32 << size[0]) - 1;
-        Lit::Rows(negative.map(|count| if a < 0 { all >> count } else { all << count & all }))
+        // Along a row those that are not negative lie together at one end: at the first one's if values fall.
+        let [width, height] = steps.map(|step| step + 1);
+        let counts = row_counts([corner, a, b], width, height);
+        let all = (1u32 << width) - 1;
+        Lit::Rows(counts.map(|count| if a < 0 { !(u32::MAX << count) } else { all << count & all }))
     }
 }
 
-/// How many of the numbers corner + a x + b y of each row are negative; of rows past the height anything.
+/// Of each row of the values corner + a x + b y: how many are not negative where a is negative, else how many are negative. Of rows past the
+/// height anything.
 #[inline]
-fn negative_in_rows<T: Copy + Default + PartialOrd>(
-    [corner, a, b]: [T; 3],
-    plus: impl Fn(T, T) -> T,
-    [width, height]: [usize; 2],
-) -> [u32; Window::SIDE] {
+fn row_counts([corner, a, b]: [i64; 3], width: u32, height: u32) -> [u32; Window::SIDE] {
+    /// 1.5 * 2^52: doubles near it are whole numbers, in their low bits.
+    const ROUNDER: f64 = (3u64 << 51) as f64;
     const GROUP: usize = 8;
+    // Half a unit off, so that no quotient lies near a whole number. Of a level row all, or none.
+    let factor = if a == 0 { -1e30 } else { -1.0 / a as f64 };
+    let (corner, b, most) = (corner as f64 + 0.5, b as f64, f64::from(width) - 0.75);
     let mut counts = [0; Window::SIDE];
-    let mut row = corner;
-    for group in 0..height.div_ceil(GROUP) {
-        let mut values = [corner; GROUP];
-        for value in &mut values {
-            *value = row;
-            row = plus(row, b);
-        }
-        let mut negative = [0; GROUP];
-        for _ in 0..width {
-            for (count, value) in negative.iter_mut().zip(&mut values) {
-                *count += u32::from(*value < T::default());
-                *value = plus(*value, a);
-            }
-        }
-        counts.iter_mut().skip(GROUP * group).zip(negative).for_each(|(count, negative)| *count = negative);
+    for group in (0..height as usize).step_by(GROUP) {
+        let quotient = |y: usize| (corner + b * (group + y) as f64) * factor;
+        let count = |y: usize| ((quotient(y).clamp(-0.75, most) + 0.5) + ROUNDER).to_bits() as u32 & 0x1f;
+        let found: [u32; GROUP] = core::array::from_fn(count);
+        counts.iter_mut().skip(group).zip(found).for_each(|(count, found)| *count = found);
     }
     counts
 }
