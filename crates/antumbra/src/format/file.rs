@@ -198,7 +198,8 @@ fn check_silhouettes(
     let mut check = silhouette::Check::new(pool)?;
     for record in records {
         let log2 = record.log2_resolution;
-        record.face_roots().iter().try_for_each(|root| check.tree(*root, log2, log2))?;
+        let is_local = record.light_kind() != Some(LightKind::Directional);
+        record.face_roots().iter().try_for_each(|root| check.tree(*root, log2, is_local))?;
     }
     Ok((check.finish()?, vec![Vec::new(); records.len()]))
 }

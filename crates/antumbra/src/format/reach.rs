@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 use super::dag8::{NodeCounts, SHADOWED, SLICE_LEVEL, reference_count};
 use super::silhouette::Check;
-use crate::{Encoding, ShadowFile};
+use crate::{Encoding, LightKind, ShadowFile};
 
 /// For each light, in the file's order: nodes that it reaches and no earlier light does, and their 32-bit words.
 /// Linear in the pool's size.
@@ -46,7 +46,8 @@ fn silhouette_shares(file: &ShadowFile) -> Vec<(NodeCounts, u64)> {
     let of_light = |record: &crate::LightRecord| {
         let log2 = record.log2_resolution;
         // They were checked when the file was read.
-        record.face_roots().iter().for_each(|root| _ = check.tree(*root, log2, log2));
+        let is_local = record.light_kind() != Some(LightKind::Directional);
+        record.face_roots().iter().for_each(|root| _ = check.tree(*root, log2, is_local));
         let (counts, words) = (check.counts(), check.words());
         let first = core::mem::replace(&mut before, (counts, words));
         let own = NodeCounts {

@@ -19,7 +19,7 @@
 //! word 0  a, signed
 //!      1  b, signed
 //!      2  c, low word
-//!      3  bits 23..0: c, high word, signed; bits 31..24: shift, 0 to 31
+//!      3  bits 23..0: c, high word, signed; bits 31..24: shift, 0 to 31, of local lights to 22
 //! ```
 //!
 //! It is an *edge* (a texel lies to its left where v is not negative) or a *plane*. A directional light's planes count in slices: their depth is
@@ -58,8 +58,10 @@ pub const HEADER_WORDS: usize = 8;
 pub const FORM_WORDS: usize = 4;
 /// log2 of the side of tiles with masks.
 pub const MASK_LEVEL: u32 = 3;
-/// Most bits of a form's shift.
+/// Most bits of a form's shift; of local lights, whose values have 32 bits before the binary point.
 pub const MOST_SHIFT: u32 = 31;
+/// See [`MOST_SHIFT`].
+pub const MOST_LOCAL_SHIFT: u32 = 22;
 
 /// What a reference is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,6 +210,9 @@ pub struct Check<'a> {
     begin: usize,
     next: usize,
     counts: NodeCounts,
+    /// Of the light whose tree is checked: log2 of its slices, and most bits of its forms' shifts.
+    log2: u32,
+    most_shift: u32,
 }
 
 impl<'a> Check<'a> {
@@ -223,24 +228,29 @@ impl<'a> Check<'a> {
         if next > pool.len() as u64 || forms >> DEEP_BIT != 0 {
             return Err(FormatError::Malformed("the silhouette pool's forms do not fit in it"));
         }
-        let shifts = pool[HEADER_WORDS..next as usize].chunks_exact(FORM_WORDS).map(|form| form[3] >> 24);
-        if shifts.into_iter().any(|shift| shift > MOST_SHIFT) {
-            return Err(FormatError::Malformed("a form has an impossible shift"));
+        if pool[HEADER_WORDS..next as usize].chunks_exact(FORM_WORDS).any(|form| form[3] >> 24 > MOST_SHIFT) {
+            return Err(FormatError::Malformed("a form has stray bits"));
         }
         let (forms, begin) = (forms as usize, next as usize);
-        Ok(Self { pool, forms, met: 0, begin, next: begin, counts: NodeCounts::default() })
+        Ok(Self { pool, forms, met: 0, begin, next: begin, counts: NodeCounts::default(), log2: 0, most_shift: 0 })
     }
 
-    /// Checks the tree of a root over 2^`level` texels per side, in a light of 2^`log2` slices.
+    /// Checks the tree of a root of a light with 2^`log2` texels per side and as many slices.
     ///
     /// # Errors
     /// [`FormatError::Malformed`] with what is wrong.
-    pub fn tree(&mut self, root: u32, level: u32, log2: u32) -> Result<(), FormatError> {
+    pub fn tree(&mut self, root: u32, log2: u32, is_local: bool) -> Result<(), FormatError> {
+        self.log2 = log2;
+        self.most_shift = if is_local { MOST_LOCAL_SHIFT } else { MOST_SHIFT };
+        self.tile(root, log2)
+    }
+
+    fn tile(&mut self, root: u32, level: u32) -> Result<(), FormatError> {
         let at = payload(root);
         match kind(root) {
             Kind::Inner if level > MASK_LEVEL => {
                 for child in self.node_words(at, 4)? {
-                    self.tree(*child, level - 1, log2)?;
+                    self.tile(*child, level - 1)?;
                 }
                 self.counts.inner += 1;
                 self.node(at, 4)
@@ -250,7 +260,7 @@ impl<'a> Check<'a> {
                 let words = self.node_words(at, edges + (1 << edges))?;
                 let (edges, regions) = words.split_at(edges);
                 edges.iter().try_for_each(|edge| self.form(*edge))?;
-                regions.iter().try_for_each(|region| self.value(*region, log2))?;
+                regions.iter().try_for_each(|region| self.value(*region))?;
                 self.counts.cuts += 1;
                 self.node(at, words.len())
             }
@@ -263,7 +273,7 @@ impl<'a> Check<'a> {
                 let mut last = (0, u64::MAX);
                 for turn in words[1..].chunks_exact(3) {
                     let mask = u64::from(turn[1]) | (u64::from(turn[2]) << 32);
-                    if turn[0] < last.0 || turn[0] >> log2 != 0 || mask & !last.1 != 0 {
+                    if turn[0] < last.0 || turn[0] >> self.log2 != 0 || mask & !last.1 != 0 {
                         return Err(FormatError::Malformed("a tile's masks are out of order"));
                     }
                     last = (turn[0], mask);
@@ -271,7 +281,7 @@ impl<'a> Check<'a> {
                 self.counts.masks += turns as u64;
                 self.node(at, words.len())
             }
-            _ => self.value(root, log2),
+            _ => self.value(root),
         }
     }
 
@@ -318,14 +328,17 @@ impl<'a> Check<'a> {
         if number >= self.forms || number > self.met {
             return Err(FormatError::Malformed("a node refers to no form, or to one out of order"));
         }
+        if Form::read(self.pool, number).shift > self.most_shift {
+            return Err(FormatError::Malformed("a form has an impossible shift"));
+        }
         self.met = self.met.max(number + 1);
         Ok(())
     }
 
-    fn value(&mut self, value: u32, log2: u32) -> Result<(), FormatError> {
+    fn value(&mut self, value: u32) -> Result<(), FormatError> {
         let at = payload(value);
         match kind(value) {
-            Kind::Depth if at <= 1 << log2 => Ok(()),
+            Kind::Depth if at <= 1 << self.log2 => Ok(()),
             Kind::Plane | Kind::Deep => self.form(at as u32),
             Kind::Pair => {
                 let words = self.node_words(at, 2)?;
