@@ -66,9 +66,12 @@ fn levels_of_detail_and_blockers_are_the_runtimes_own() {
         }
     }
     run(folder.path(), "bake {city} -o {graph} --resolution 512 --encoding dag8").ok();
-    for (line, words) in
-        [("--lod 1.5", "whole number"), ("--lod 1 --prefilter levels", "--levels"), ("--blocker 1", "--enter-depths")]
-    {
+    for (line, words) in [
+        ("--lod 1.5", "whole number"),
+        ("--lod 1 --prefilter levels", "--levels"),
+        ("--blocker 1", "--enter-depths"),
+        ("--continuous", "--encoding silhouette"),
+    ] {
         run(folder.path(), &format!("query {{graph}} --light sun --points {{p.npy}} -o {{v.npy}} {line}"))
             .fails(&[words]);
     }
@@ -97,6 +100,10 @@ fn answers_are_the_runtimes_own() {
     let filter = Filter::new_tent(5).expect("odd");
     let soft: Vec<f32> = points.iter().map(|p| sun.filtered(*p, None, filter)).collect();
     assert_eq!(values("--filter 5 --kernel tent"), soft);
+    // Between texels some answers are not those of voxels.
+    let continuous: Vec<f32> = points.iter().map(|p| sun.filtered(*p, None, Filter::continuous())).collect();
+    assert_ne!(continuous, plain);
+    assert_eq!(values("--continuous"), continuous);
     let filter = Filter::new_box(3).expect("odd");
     let lifted: Vec<f32> = points.iter().map(|p| sun.filtered(*p, Some(DVec3::Y), filter)).collect();
     assert_eq!(values("--filter 3 --normals {n.npy}"), lifted);
