@@ -17,7 +17,7 @@ const MOST_PLANES: usize = 16;
 /// Fronts and backs that wedges are tried of.
 const MOST_SIDES: usize = 4;
 /// Planes of which pairs are tried.
-const MOST_OPEN: usize = 6;
+const MOST_SINGLE: usize = 6;
 /// Depths over more slices than this are looked up one by one.
 const MOST_COUNTED: u32 = 16;
 /// Triangles that are looked at.
@@ -131,15 +131,15 @@ struct Surfaces<'a> {
     fronts: Vec<(u32, [Lanes; 2])>,
     /// Triangles where rays leave: depths just before them.
     backs: Vec<(u32, Lanes)>,
-    /// Planes that may be the nearer ones: where they are right, and their depths.
-    open: Vec<(Plane, u64, Lanes)>,
+    /// Planes of which two may be right together: where they are right alone, and their depths.
+    single: Vec<(Plane, u64, Lanes)>,
 }
 
 /// Surfaces of the leaf's triangles that are right somewhere, and where.
 #[inline(always)]
 fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(Surface, u64)> {
-    let (found, fronts, backs, open) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut surfaces = Surfaces { enter, exit, found, fronts, backs, open };
+    let (found, fronts, backs, single) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut surfaces = Surfaces { enter, exit, found, fronts, backs, single };
     // Where there is no slack no depth but the surface's own is right.
     let is_exact = enter == exit;
     for entry in entries {
@@ -169,7 +169,7 @@ fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], form
         }
     }
     surfaces.push_wedges();
-    surfaces.push_nearer();
+    surfaces.push_pairs();
     surfaces.found
 }
 
@@ -189,13 +189,13 @@ impl Surfaces<'_> {
         }
     }
 
-    /// A plane that may be the nearer one of two.
+    /// A plane that may be one of two.
     #[inline(always)]
     fn push_plane(&mut self, plane: Plane, depths: Lanes) {
         let right = self.right(&depths);
         if right != 0 {
             self.found.push((Surface::plane(plane), right));
-            self.open.push((plane, right, depths));
+            self.single.push((plane, right, depths));
         }
     }
 
@@ -213,21 +213,18 @@ impl Surfaces<'_> {
         }
     }
 
-    /// Two planes that cross, where neither alone is right wherever both are.
+    /// The nearer and the farther of two planes, where neither alone is right wherever the other is.
     #[inline(always)]
-    fn push_nearer(&mut self) {
-        let open = std::mem::take(&mut self.open);
-        for (i, (a, right_a, depths_a)) in open.iter().enumerate().take(MOST_OPEN) {
-            for (b, right_b, depths_b) in open[..i].iter() {
+    fn push_pairs(&mut self) {
+        let single = std::mem::take(&mut self.single);
+        for (i, (a, right_a, depths_a)) in single.iter().enumerate().take(MOST_SINGLE) {
+            for (b, right_b, depths_b) in &single[..i] {
                 if right_a & !right_b == 0 || right_b & !right_a == 0 {
                     continue;
                 }
-                let mut depths = *depths_a;
-                depths.iter_mut().zip(depths_b).for_each(|(depth, other)| *depth = (*depth).min(*other));
-                self.push(Surface::nearer(*a, *b), &depths);
-                let mut depths = *depths_a;
-                depths.iter_mut().zip(depths_b).for_each(|(depth, other)| *depth = (*depth).max(*other));
-                self.push(Surface::farther(*a, *b), &depths);
+                let of = |choose: fn(u32, u32) -> u32| std::array::from_fn(|i| choose(depths_a[i], depths_b[i]));
+                self.push(Surface::nearer(*a, *b), &of(u32::min));
+                self.push(Surface::farther(*a, *b), &of(u32::max));
             }
         }
     }

@@ -3,7 +3,7 @@
 //!
 //! The recursion is that of [`crate::columns`]: tiles with the triangles that touch them (`build`). At 8 x 8 texels each ray's interval
 //! is solved exactly, and the fewest edges are found that part the rays into regions of which one depth suits all (`leaf`): a constant, a
-//! triangle's plane (`form`), or the deeper of two planes, as where a solid ends in an edge and its front and its back meet. What is
+//! triangle's plane (`form`), or two of them, as where a solid ends in an edge and its front and its back meet, or where surfaces cross. What is
 //! found is a *sketch*: for each region the set of depths that would do. Four tiles become one while two edges are enough and the
 //! sets of each region still meet (`sketch`, `accept`), so tiles grow until geometry stops them. Planes also come from the gaps by which
 //! the builder settles greater tiles (`gap`). Words come last (`encode`).

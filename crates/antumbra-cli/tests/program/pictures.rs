@@ -54,6 +54,7 @@ fn both_devices_draw_the_same_picture() {
     run(folder.path(), "bake {city} -o {b} --levels --enter-depths --resolution 2048").ok();
     for way in [
         "--shadows {b} --filter 5",
+        "--shadows {b} --continuous",
         "--shadows {b} --penumbra 2",
         "--technique csm --cascades 2",
         "--shadows {b} --fog 0.01",
@@ -73,6 +74,8 @@ fn both_devices_draw_the_same_picture() {
     run(folder.path(), &format!("{gpu} --shadows {{b}} --gather 4")).fails(&["--gather"]);
     run(folder.path(), &format!("{gpu} --shadows {{b}} --fog 0")).fails(&["density"]);
     run(folder.path(), &format!("{gpu} --shadows {{baked}} --penumbra 1")).fails(&["--enter-depths"]);
+    run(folder.path(), &format!("{gpu} --shadows {{b}} --continuous --prefilter mean")).fails(&["hard"]);
+    run(folder.path(), "render {city} -o {p.png} --size 16x16 --continuous").fails(&["--shadows FILE"]);
     run(folder.path(), &format!("{gpu} --shadows {{b}} --penumbra 50")).fails(&["30 degrees"]);
 }
 

@@ -8,8 +8,8 @@ use super::many;
 use super::pcf;
 use super::point::is_lit;
 use super::project::{FacePoint, Place, Projection, VoxelFrame, clamp_to_volume};
-use super::silhouette::Slice;
 use super::top_grid::TopGrid;
+use super::window::Slice;
 use crate::format::slices::Spread;
 use crate::{Encoding, Interior, LightKind, LightRecord, ShadowFile};
 

@@ -20,3 +20,4 @@ pub mod segment;
 pub mod silhouette;
 pub(crate) mod top_grid;
 pub(crate) mod walk;
+pub(crate) mod window;

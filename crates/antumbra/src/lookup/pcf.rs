@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::filter::{Filter, Kernel};
 use super::point::{child, descend, slice_mask};
-use super::silhouette::{self, Slice};
 use super::top_grid::TopGrid;
+use super::window::{self, Slice};
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
 use crate::format::slices::Spread;
 
@@ -148,7 +148,7 @@ impl<'a> Window<'a> {
     fn silhouette_weight(&self, grid: &TopGrid, (stride, spread): (u32, Spread<'_>)) -> u32 {
         let slice = Slice::new(self.pool, self.z, stride, spread);
         let [first, last] = [self.first, self.last].map(|texel| texel.map(|c| c as u32));
-        let mut window = silhouette::Window::new(first);
+        let mut window = window::Window::new(first);
         // Cells of the top grid, or all of a coarse level whose texels are wider than they.
         let (cell, level) =
             if stride < grid.level { (grid.level - stride, grid.level) } else { (grid.root.1 - stride, grid.root.1) };
@@ -169,7 +169,7 @@ impl<'a> Window<'a> {
 
     /// Weight of the window's taps that are set, row by row from its first on.
     #[inline]
-    fn weight_of_rows(&self, rows: &[u32; silhouette::Window::SIDE]) -> u32 {
+    fn weight_of_rows(&self, rows: &[u32; window::Window::SIDE]) -> u32 {
         let [width, height] = [0, 1].map(|axis| (self.last[axis] - self.first[axis]) as usize + 1);
         let rows = &rows[..height];
         let all = (1u32 << width) - 1;
@@ -185,7 +185,7 @@ impl<'a> Window<'a> {
         let weight =
             |axis: usize, i: usize| self.filter.weight(self.center[axis].abs_diff(self.first[axis] + i as i32));
         // Each column's weights: eight to a word, 81 of each at most.
-        let mut columns = [0u64; silhouette::Window::SIDE.div_ceil(TILE as usize)];
+        let mut columns = [0u64; window::Window::SIDE.div_ceil(TILE as usize)];
         for (y, row) in rows.iter().enumerate() {
             for (i, sums) in columns.iter_mut().enumerate().take(width.div_ceil(TILE as usize)) {
                 *sums += spread_to_ones(u64::from(row >> (TILE as usize * i)) & 0xff) * u64::from(weight(1, y));
