@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use antumbra::{Filter, LightShadow, Prefilter, ShadowFile};
+use antumbra::{Filter, Kernel, LightShadow, Prefilter, ShadowFile};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::DVec3;
@@ -215,6 +215,7 @@ fn look_up(light: LightShadow<'_>, points: &[DVec3], normals: Option<&[DVec3]>, 
         if let Question::Filtered(filter) = question
             && normals.is_none()
             && filter.taps() == 1
+            && filter.kernel() != Kernel::Continuous
         {
             return light.visibility_many(points, values);
         }
