@@ -232,6 +232,14 @@ pub enum BakeError {
     /// More distinct nodes than ids or file offsets can number.
     #[error("the lights need more nodes than a file can hold; lower --resolution or bake fewer lights per file")]
     TooManyNodes,
+    /// Lamps whose tables of slices no reader would hold.
+    #[error(
+        "the lamps' slices need {mib} MiB of tables, one for each ratio of far to near distance, and readers hold 256; lower --resolution, leave out --near, or use --encoding dag8"
+    )]
+    Slices {
+        /// What they need.
+        mib: u64,
+    },
     /// A policy's length that is none.
     #[error("interior policy {0} needs a length of 0 m or more")]
     Interior(&'static str),

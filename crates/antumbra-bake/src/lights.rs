@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::enter;
+use antumbra::format::slices;
 use antumbra::{Encoding, LightKind, LightRecord};
 use antumbra_scene::Light;
 use rayon::prelude::*;
@@ -80,6 +81,7 @@ struct Running {
 impl Lights<'_> {
     /// Builds all lights; results are in their order, and the same whatever the number of threads.
     pub fn build(self, lights: &[Light]) -> Result<Vec<BuiltLight>, BakeError> {
+        self.check_slices(lights)?;
         let mut built: Vec<Option<BuiltLight>> = Vec::new();
         let running = Running::default();
         for light in lights {
@@ -102,6 +104,19 @@ impl Lights<'_> {
             results.into_iter().collect::<Result<(), BakeError>>()?;
         }
         Ok(built.into_iter().flatten().collect())
+    }
+
+    /// Before any work: that readers will hold what silhouettes of lamps need beside the file.
+    fn check_slices(self, lights: &[Light]) -> Result<(), BakeError> {
+        if self.encoding != Encoding::Silhouette {
+            return Ok(());
+        }
+        let lamps = lights.iter().filter(|light| light.kind != antumbra_scene::LightKind::Directional);
+        let records = lamps.map(|light| Ok(self.space(light)?.record())).collect::<Result<Vec<_>, BakeError>>()?;
+        match slices::table_words(records) {
+            words if words > slices::MOST_WORDS => Err(BakeError::Slices { mib: words >> 18 }),
+            _ => Ok(()),
+        }
     }
 
     fn build_directional(self, light: &Light, running: &Running) -> Result<BuiltLight, BakeError> {

@@ -225,6 +225,11 @@ fn what_the_encoding_does_not_know_is_refused() {
     assert!(matches!(others, Err(BakeError::Method("kampe2015"))));
     let small = BakeOptions { memory_limit: Some(15 << 20), ..options(Interior::Open, 8192, 1) };
     assert!(matches!(refused(small), Err(BakeError::Memory { .. })));
+    // 65 tables of a million slices each: more than readers hold.
+    let lamps: Vec<Light> = (0..65).map(|i| lamp([3.0, 12.0, -4.0], 80.0 + f64::from(i))).collect();
+    let encoding = Some(Encoding::Silhouette);
+    let fine = BakeOptions { encoding, near_m: Some(0.1), ..options(Interior::Open, 1 << 20, 1) };
+    assert!(matches!(bake(&CITY, &lamps, &fine, &Silent), Err(BakeError::Slices { mib: 260 })));
 }
 
 /// Any word of a pool may be anything: it is refused, or lookups in it stay inside.

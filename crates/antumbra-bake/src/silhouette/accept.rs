@@ -113,9 +113,11 @@ impl Polygon {
         if part.count == 0 { all } else { part }
     }
 
+    /// Values at texels are whole: those to keep are not negative to the left and -1 or less to the right. The line lies a unit beyond either, so
+    /// that no rounding of a corner leaves one out.
     fn cut(&self, edge: &Form, is_left: bool) -> Self {
-        let sign = if is_left { 1.0 } else { -1.0 };
-        let [a, b, c] = [f64::from(edge.a), f64::from(edge.b), edge.c as f64].map(|factor| sign * factor);
+        let (sign, beyond) = if is_left { (1.0, 1.0) } else { (-1.0, 0.0) };
+        let [a, b, c] = [f64::from(edge.a), f64::from(edge.b), edge.c as f64 + beyond].map(|factor| sign * factor);
         let at = |[x, y]: [f64; 2]| a * x + b * y + c;
         let mut part = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0 };
         for i in 0..self.count {
@@ -161,7 +163,8 @@ impl Ends {
         let at = polygon.corners.map(|[x, y]| a * x + b * y + c);
         let [x, y] = [0, 1].map(|axis| polygon.corners.iter().map(|corner| corner[axis]).fold(0.0, f64::max));
         let terms = a.abs() * x + b.abs() * y + c.abs();
-        let slack = terms * ROUNDING + (a.abs() + b.abs()) * CORNER_ERROR;
+        // More than nothing: what is before something is not at it.
+        let slack = (terms * ROUNDING + (a.abs() + b.abs()) * CORNER_ERROR).max(f64::MIN_POSITIVE);
         Self { form, is_plain: true, at, count: polygon.count, slack }
     }
 

@@ -1,6 +1,6 @@
 //! Linear functions over a light's texels: edges, by their signs, and planes, by their values.
 
-use antumbra::format::silhouette::Form;
+use antumbra::format::silhouette::{Form, MOST_LOCAL_SHIFT};
 
 use crate::columns::BuildTriangle;
 use crate::light_space::{Resolution, Slices};
@@ -115,7 +115,7 @@ impl Surface {
 /// Bits of a plane's slopes.
 const SLOPE_BITS: i32 = 30;
 /// Most bits behind the binary point of planes that count in slices, and of those that count in lattice steps.
-const MOST_SHIFT: [i32; 2] = [30, 22];
+const MOST_SHIFT: [i32; 2] = [30, MOST_LOCAL_SHIFT as i32];
 /// 1.5 * 2^52: doubles near it are whole numbers.
 const ROUNDER: f64 = (3u64 << 51) as f64;
 /// Bits of a slice that a hair is.

@@ -99,7 +99,7 @@ impl Gap {
                 gap.before.push([at.map(|d| next.of(d)), at.map(|d| next.of(d + rise))]);
                 let is_wanted = t.winding() == 1 && gap.fronts.len() < MOST_SIDES;
                 let past = Plane::new(entry.triangle, Side::Past);
-                if let Some(form) = forms.plane(past).filter(|_| is_wanted) {
+                if is_wanted && let Some(form) = forms.plane(past) {
                     let deep = values(forms.deep(form));
                     let is_inside = slices.are_even() || deep.iter().all(|value| *value >= 0.0);
                     let deep = is_inside.then(|| deep.map(|value| forms.of_deep(value)));
@@ -109,7 +109,7 @@ impl Gap {
                 gap.behind.push(at.map(|d| own.of(d)));
                 let is_wanted = t.winding() == -1 && gap.backs.len() < MOST_SIDES;
                 let before = Plane::new(entry.triangle, Side::Before);
-                if let Some(form) = forms.plane(before).filter(|_| is_wanted) {
+                if is_wanted && let Some(form) = forms.plane(before) {
                     gap.backs.push((entry.triangle, values(form)));
                 }
             } else {

@@ -10,7 +10,7 @@
 //!
 //! rounded up to a whole one, and no later than at 2^32 - 1. Both are computed in double precision as [`begin`] says.
 
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -19,8 +19,8 @@ use crate::{DepthDistribution, FormatError, LightRecord};
 
 /// Lattice steps to infinity.
 const DEPTH_STEPS: f64 = (1u64 << 32) as f64;
-/// Most words that a file's tables take together: 256 MiB.
-const MOST_WORDS: usize = 1 << 26;
+/// Most words that a file's tables take together, 256 MiB: readers refuse files with more.
+pub const MOST_WORDS: u64 = 1 << 26;
 
 /// The lattice step at which a local light's slice k of so many begins; for k = N what lies behind the last one.
 #[must_use]
@@ -109,11 +109,24 @@ fn middle(begins: &[u32], slice: u32) -> u32 {
     before + ((begin - before) >> 1)
 }
 
+/// What lights with one table have in common: log2 of their slices, the ratio of far to near distance, how slices are spread. `None` for a
+/// directional light.
+fn key(record: &LightRecord) -> Option<(u32, u64, u32)> {
+    let is_even = record.depth_distribution().unwrap_or_default() == DepthDistribution::Linear;
+    (!is_even).then(|| (record.log2_resolution, (record.far_m / record.near_m).to_bits(), record.depth))
+}
+
+/// Words of the tables that silhouettes of these lights need.
+pub fn table_words(records: impl IntoIterator<Item = LightRecord>) -> u64 {
+    let keys: BTreeSet<_> = records.into_iter().filter_map(|record| key(&record)).collect();
+    keys.iter().map(|(log2, ..)| 1u64 << log2).sum()
+}
+
 /// Tables of where slices begin, one for all lights of a resolution and a ratio of far to near distance.
 #[derive(Default)]
 pub(crate) struct Tables {
     made: BTreeMap<(u32, u64, u32), Arc<[u32]>>,
-    words: usize,
+    words: u64,
 }
 
 impl Tables {
@@ -122,19 +135,16 @@ impl Tables {
     /// # Errors
     /// [`FormatError::Malformed`] when all would take too much memory.
     pub fn of(&mut self, record: &LightRecord) -> Result<Arc<[u32]>, FormatError> {
-        let distribution = record.depth_distribution().unwrap_or_default();
-        if distribution == DepthDistribution::Linear {
-            return Ok(Arc::from([]));
-        }
-        let (slices, ratio) = (record.resolution(), record.far_m / record.near_m);
-        let key = (record.log2_resolution, ratio.to_bits(), record.depth);
+        let Some(key) = key(record) else { return Ok(Arc::from([])) };
         if let Some(table) = self.made.get(&key) {
             return Ok(Arc::clone(table));
         }
-        self.words += slices as usize;
+        let slices = record.resolution();
+        self.words += u64::from(slices);
         if self.words > MOST_WORDS {
             return Err(FormatError::Malformed(TOO_MANY));
         }
+        let (ratio, distribution) = (record.far_m / record.near_m, record.depth_distribution().unwrap_or_default());
         let table: Arc<[u32]> = (0..slices).map(|k| begin(k, slices, ratio, distribution)).collect::<Vec<_>>().into();
         self.made.insert(key, Arc::clone(&table));
         Ok(table)

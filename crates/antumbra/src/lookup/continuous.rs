@@ -7,9 +7,9 @@
 
 use glam::DVec3;
 
-use super::silhouette::{Plane, Value, descend, edges, turn};
+use super::silhouette::{Plane, Value, descend, region, turn};
 use super::top_grid::TopGrid;
-use crate::format::silhouette::{Form, Kind, kind, payload};
+use crate::format::silhouette::{Form, Kind, kind};
 use crate::format::slices::Spread;
 
 /// A place between texels and slices.
@@ -36,23 +36,14 @@ pub(crate) fn is_lit(pool: &[u32], grid: &TopGrid, voxel: DVec3, spread: Spread<
 
 impl Between<'_> {
     fn is_lit(&self, pool: &[u32], leaf: u32) -> bool {
-        let cuts = edges(leaf);
-        let side = |i: usize| usize::from(self.value(&Form::read(pool, pool[payload(leaf) + i] as usize), 0) >= 0.0);
         let value = match kind(leaf) {
             Kind::Masks => {
                 return turn(pool, leaf, self.slice) >> (8 * (self.texel[1] & 7) + (self.texel[0] & 7)) & 1 != 0;
             }
-            Kind::Cut | Kind::Cross => pool[payload(leaf) + cuts + (0..cuts).map(|i| side(i) << i).sum::<usize>()],
+            Kind::Cut | Kind::Cross => region(pool, leaf, |edge| self.value(&edge, 0) >= 0.0),
             _ => leaf,
         };
-        let is_before = |plane: Plane| self.is_before(plane);
-        match Value::read(pool, value, self.spread) {
-            Value::Depth(depth) => self.slice < depth,
-            Value::Plane(plane) => is_before(plane),
-            Value::Pair { least, most, other } => {
-                least.is_some_and(is_before) || (other.is_none_or(is_before) && is_before(most))
-            }
-        }
+        Value::read(pool, value, self.spread).is_lit(self.slice, |plane| self.is_before(plane))
     }
 
     /// A form's value less a whole number: of great ones the difference is small where it counts.
@@ -62,7 +53,7 @@ impl Between<'_> {
     }
 
     /// Whether the place lies before a plane: the values with which planes lie behind a whole slice are those of its end.
-    fn is_before(&self, plane: Plane) -> bool {
+    fn is_before(&self, plane: &Plane) -> bool {
         let of = |slice: u32| self.spread.least_behind(slice)[usize::from(plane.is_deep)];
         let end = of(self.slice);
         let width = if self.slice > 0 { end - of(self.slice - 1) } else { of(1) - end };

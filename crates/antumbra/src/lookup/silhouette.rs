@@ -17,11 +17,11 @@ pub(crate) fn descend(pool: &[u32], mut tile: u32, from: u32, to: u32, [x, y]: [
     (tile, level)
 }
 
-/// Which of the references of a cut or a cross a texel has.
+/// Which of the references of a cut or a cross a place has, that lies to the left of some edges.
 #[inline(always)]
-pub(crate) fn region(pool: &[u32], tile: u32, texel: [u32; 2]) -> u32 {
+pub(crate) fn region(pool: &[u32], tile: u32, is_left: impl Fn(Form) -> bool) -> u32 {
     let at = payload(tile);
-    let left = |i: usize| usize::from(Form::read(pool, pool[at + i] as usize).at(texel) >= 0);
+    let left = |i: usize| usize::from(is_left(Form::read(pool, pool[at + i] as usize)));
     if kind(tile) == Kind::Cut { pool[at + 1 + left(0)] } else { pool[at + 2 + left(0) + 2 * left(1)] }
 }
 
@@ -70,6 +70,20 @@ impl Value {
     }
 }
 
+impl Value {
+    /// Whether a place in a slice is lit, which lies before some planes.
+    #[inline(always)]
+    pub fn is_lit(&self, slice: u32, is_before: impl Fn(&Plane) -> bool) -> bool {
+        match self {
+            Self::Depth(depth) => slice < *depth,
+            Self::Plane(plane) => is_before(plane),
+            Self::Pair { least, most, other } => {
+                least.as_ref().is_some_and(&is_before) || (other.as_ref().is_none_or(&is_before) && is_before(most))
+            }
+        }
+    }
+}
+
 impl Plane {
     /// The first shadowed slice where the form has some value.
     #[inline(always)]
@@ -84,7 +98,7 @@ impl Plane {
 pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread: Spread<'_>) -> u32 {
     let (tile, _) = descend(pool, tile, level, 0, texel);
     let value = match kind(tile) {
-        Kind::Cut | Kind::Cross => region(pool, tile, texel),
+        Kind::Cut | Kind::Cross => region(pool, tile, |edge| edge.at(texel) >= 0),
         Kind::Masks => return depth_by_masks(pool, tile, texel, spread.count()),
         _ => tile,
     };
@@ -93,15 +107,6 @@ pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread
         Value::Depth(depth) => depth,
         Value::Plane(plane) => of(plane),
         Value::Pair { least, most, other } => of(most).min(other.map_or(u32::MAX, of)).max(least.map_or(0, of)),
-    }
-}
-
-/// How many edges cut a leaf.
-pub(crate) fn edges(leaf: u32) -> usize {
-    match kind(leaf) {
-        Kind::Cut => 1,
-        Kind::Cross => 2,
-        _ => 0,
     }
 }
 

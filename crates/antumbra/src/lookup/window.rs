@@ -36,18 +36,11 @@ impl<'a> Slice<'a> {
     pub fn is_lit(&self, tile: u32, level: u32, texel: [u32; 2]) -> bool {
         let (tile, _) = descend(self.pool, tile, level, 0, texel);
         let value = match kind(tile) {
-            Kind::Cut | Kind::Cross => region(self.pool, tile, texel),
+            Kind::Cut | Kind::Cross => region(self.pool, tile, |edge| edge.at(texel) >= 0),
             Kind::Masks => return turn(self.pool, tile, self.z) >> (8 * (texel[1] & 7) + (texel[0] & 7)) & 1 != 0,
             _ => tile,
         };
-        let is_before = |plane: Plane| self.behind(plane).at(texel) >= 0;
-        match Value::read(self.pool, value, self.spread) {
-            Value::Depth(depth) => self.z < depth,
-            Value::Plane(plane) => is_before(plane),
-            Value::Pair { least, most, other } => {
-                least.is_some_and(is_before) || (other.is_none_or(is_before) && is_before(most))
-            }
-        }
+        Value::read(self.pool, value, self.spread).is_lit(self.z, |plane| self.behind(*plane).at(texel) >= 0)
     }
 
     /// Adds the lit ones of a window's texels below a tile of 2^`level` of the face's texels per side: those of a rectangle of the level's
