@@ -35,5 +35,5 @@ pub use freedom::{Freedom, Shift};
 pub(crate) use lanes::{Lanes, mask, select};
 pub(crate) use leaf::{LEAF_LOG2, Leaf, LeafScratch, Transition};
 pub(crate) use settle::Settled;
-pub(crate) use tile::{Entry, Tile, split};
+pub(crate) use tile::{COVERS, Entry, Tile, split};
 pub use triangle::BuildTriangle;

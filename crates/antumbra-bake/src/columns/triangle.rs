@@ -136,7 +136,7 @@ impl BuildTriangle {
         let steps = resolution.texel_steps();
         let span = |c: [i32; 3]| {
             let [low, high] = [c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2])].map(i64::from);
-            [(low - steps / 2).div_euclid(steps), (high - steps / 2).div_euclid(steps)]
+            [low, high].map(|c| (c - steps / 2) >> resolution.texel_shift())
         };
         (!self.is_edge_on()).then(|| [span(self.x), span(self.y)])
     }

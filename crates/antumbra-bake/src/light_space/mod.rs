@@ -62,7 +62,13 @@ impl Resolution {
     /// Lattice steps per texel.
     #[must_use]
     pub fn texel_steps(self) -> i64 {
-        1 << (LATERAL_BITS - self.log2)
+        1 << self.texel_shift()
+    }
+
+    /// log2 of the lattice steps per texel.
+    #[must_use]
+    pub fn texel_shift(self) -> u32 {
+        LATERAL_BITS - self.log2
     }
 
     /// Lattice coordinate of a texel's centre, along either axis.

@@ -1,9 +1,10 @@
 //! Whether a plane is right throughout a tile, where more is known of the tile than that.
 
 use antumbra::format::silhouette::Form;
+use arrayvec::ArrayVec;
 
 use super::form::{EdgeKey, Plane, Second, Surface, edge_form};
-use super::sketch::Set;
+use super::sketch::{MOST_PARTS, MOST_SURFACES, Set};
 use crate::columns::{BuildTriangle, Tile};
 use crate::light_space::Slices;
 
@@ -36,49 +37,103 @@ impl Forms<'_> {
         self.slices.half_of_deep().of(units)
     }
 
-    /// A surface's values at a polygon's corners.
-    fn over(&self, surface: Surface, polygon: &Polygon) -> Option<Over> {
-        let deep = |form: Form| {
-            let ends = Ends::new(self.deep(form), polygon);
-            if self.slices.are_even() { Some(ends) } else { ends.as_plain(self) }
-        };
+    /// A surface's planes.
+    fn shape(&self, surface: Surface) -> Option<Shape> {
         let of = |plane: Plane| {
             let form = self.plane(plane)?;
-            if plane.is_deep() { deep(form) } else { Some(Ends::new(form, polygon)) }
+            Some(if plane.is_deep() { (self.deep(form), true) } else { (form, false) })
         };
-        let first = || of(surface.first);
-        let (forms, groups) = match surface.second() {
-            Second::None => ([first()?; 3], 1),
-            Second::Back(back) => {
-                let front = self.plane(surface.first)?;
-                ([Ends::new(front, polygon), deep(front)?, of(back)?], 2)
-            }
-            Second::Nearer(other) => ([first()?, first()?, of(other)?], 1),
-            Second::Farther(other) => ([first()?, of(other)?, of(other)?], 2),
-        };
-        Some(Over { forms, groups })
+        let first = of(surface.first)?;
+        Some(match surface.second() {
+            Second::None => Shape { planes: [first; 3], first: 1, count: 1 },
+            Second::Back(back) => Shape { planes: [first, (self.deep(first.0), true), of(back)?], first: 1, count: 3 },
+            Second::Nearer(other) => Shape { planes: [first, of(other)?, first], first: 2, count: 2 },
+            Second::Farther(other) => Shape { planes: [first, of(other)?, first], first: 1, count: 2 },
+        })
     }
 
-    /// Whether a surface is right throughout a polygon: not before what must be lit, not behind what must be shadowed, both of which
-    /// constants bound, and surfaces that are known to be right.
-    pub fn accepts(&self, set: &Set, polygon: &Polygon, surface: Surface) -> bool {
-        if set.surfaces().any(|known| known == surface) {
-            return true;
+    /// A shape's values at a polygon's corners.
+    fn over(&self, shape: &Shape, polygon: &Polygon) -> Option<Over> {
+        let mut ends = [Ends::NONE; 3];
+        for (ends, (form, is_deep)) in ends.iter_mut().zip(&shape.planes[..shape.count]) {
+            let own = Ends::new(*form, polygon);
+            *ends = if *is_deep && !self.slices.are_even() { own.as_plain(self)? } else { own };
         }
-        let Some(own) = self.over(surface, polygon) else { return false };
-        let known = || set.surfaces().filter_map(|known| self.over(known, polygon));
-        let is_late = set.low == 0
-            || own.is_behind(&polygon.constant(self.first_value(set.low)))
-            || known().any(|known| known.groups().all(|group| group.iter().any(|ends| own.is_behind(ends))));
-        let ends = set.high >= self.slices.resolution().texels();
-        // Values below the next whole one are rounded down.
-        let is_early = || own.is_before(&polygon.constant(self.first_value(set.high + 1)));
-        is_late && (ends || is_early() || known().any(|known| own.is_before_other(&known)))
+        Some(Over { ends, first: shape.first, count: shape.count })
     }
 
     /// The least whole value of a plane whose depth is so deep, 1 to N.
     pub fn first_value(&self, depth: u32) -> f64 {
         self.slices.spread().least_behind(depth - 1)[0] as f64
+    }
+}
+
+/// Most surfaces of all sets that meet.
+const MOST_KNOWN: usize = MOST_PARTS * MOST_SURFACES;
+
+/// Surfaces of which some are right throughout a part of a tile, and others may be.
+pub(crate) struct Candidates<'a> {
+    forms: &'a Forms<'a>,
+    /// Each once.
+    surfaces: ArrayVec<(Surface, Option<Shape>), MOST_KNOWN>,
+    /// Their values over the part at hand, where they have been asked for.
+    over: ArrayVec<Option<Option<Over>>, MOST_KNOWN>,
+}
+
+impl<'a> Candidates<'a> {
+    /// The surfaces of some sets.
+    pub fn new<'s>(forms: &'a Forms<'a>, sets: impl IntoIterator<Item = &'s Set>) -> Self {
+        let mut surfaces: ArrayVec<(Surface, Option<Shape>), MOST_KNOWN> = ArrayVec::new();
+        for surface in sets.into_iter().flat_map(Set::surfaces) {
+            if !surfaces.iter().any(|(known, _)| *known == surface) {
+                surfaces.push((surface, forms.shape(surface)));
+            }
+        }
+        Self { forms, surfaces, over: ArrayVec::new() }
+    }
+
+    pub fn len(&self) -> usize {
+        self.surfaces.len()
+    }
+
+    pub fn surface(&self, number: usize) -> Surface {
+        self.surfaces[number].0
+    }
+
+    /// Turns to another part.
+    pub fn forget(&mut self) {
+        self.over.clear();
+        self.over.extend(self.surfaces.iter().map(|_| None));
+    }
+
+    fn over(&mut self, number: usize, polygon: &Polygon) -> Option<Over> {
+        let Self { forms, surfaces, over } = self;
+        let shape = surfaces[number].1.as_ref();
+        *over[number].get_or_insert_with(|| forms.over(shape?, polygon))
+    }
+
+    /// Whether a surface is right throughout a polygon: not before what must be lit, not behind what must be shadowed, both of which
+    /// constants bound, and surfaces that are known to be right.
+    pub fn accepts(&mut self, number: usize, (polygon, set): &(Polygon, &Set)) -> bool {
+        if set.surfaces().any(|known| known == self.surface(number)) {
+            return true;
+        }
+        let Some(own) = self.over(number, polygon) else { return false };
+        let slices = self.forms.slices.resolution().texels();
+        let first_value = |depth: u32| self.forms.first_value(depth);
+        let is_late = set.low == 0 || own.is_behind(&polygon.constant(first_value(set.low)));
+        // Values below the next whole one are rounded down.
+        let is_early = set.high >= slices || own.is_before(&polygon.constant(first_value(set.high + 1)));
+        (is_late || self.knows(polygon, set, |known| own.is_behind_other(known)))
+            && (is_early || self.knows(polygon, set, |known| own.is_before_other(known)))
+    }
+
+    /// Whether something holds for one of the surfaces that are known to be right.
+    fn knows(&mut self, polygon: &Polygon, set: &Set, holds: impl Fn(&Over) -> bool) -> bool {
+        set.surfaces().any(|known| {
+            let number = self.surfaces.iter().position(|(surface, _)| *surface == known);
+            number.and_then(|number| self.over(number, polygon)).is_some_and(|known| holds(&known))
+        })
     }
 }
 
@@ -157,6 +212,9 @@ struct Ends {
 }
 
 impl Ends {
+    const NONE: Self =
+        Self { form: Form { a: 0, b: 0, c: 0, shift: 0 }, is_plain: false, at: [0.0; MOST_CORNERS], count: 0, slack: 0.0 };
+
     fn new(form: Form, polygon: &Polygon) -> Self {
         let unit = 1.0 / (1i64 << form.shift) as f64;
         let [a, b, c] = [f64::from(form.a), f64::from(form.b), form.c as f64].map(|factor| factor * unit);
@@ -184,17 +242,28 @@ impl Ends {
     }
 }
 
-/// A surface's values: the greatest of groups, each the least of its planes'.
+/// What a surface's depth is made of: the greatest of one group of planes or two, each the least of its own.
+#[derive(Clone, Copy)]
+struct Shape {
+    /// Forms, and whether they are deep ones.
+    planes: [(Form, bool); 3],
+    /// How many there are in the first group, and in all.
+    first: usize,
+    count: usize,
+}
+
+/// The same at a polygon's corners.
+#[derive(Clone, Copy)]
 struct Over {
-    /// Two groups are the first, and the others: of a wedge the front, and its deep form with the back. Else all are one group.
-    forms: [Ends; 3],
-    groups: usize,
+    ends: [Ends; 3],
+    first: usize,
+    count: usize,
 }
 
 impl Over {
     fn groups(&self) -> impl Iterator<Item = &[Ends]> {
-        let (first, rest) = self.forms.split_at(if self.groups == 2 { 1 } else { 3 });
-        [first, rest].into_iter().take(self.groups)
+        let (first, rest) = self.ends[..self.count].split_at(self.first);
+        [first, rest].into_iter().filter(|group| !group.is_empty())
     }
 
     /// Whether it lies behind a plane.
@@ -207,8 +276,12 @@ impl Over {
         self.groups().all(|group| group.iter().any(|form| form.is_before(plane)))
     }
 
+    fn is_behind_other(&self, other: &Self) -> bool {
+        other.groups().all(|group| group.iter().any(|plane| self.is_behind(plane)))
+    }
+
     fn is_before_other(&self, other: &Self) -> bool {
-        self.groups().all(|group| group.iter().any(|form| other.is_behind(form)))
+        self.groups().all(|group| group.iter().any(|plane| other.is_behind(plane)))
     }
 }
 

@@ -132,7 +132,7 @@ pub(crate) fn edge_form([a, b]: EdgeKey, resolution: Resolution) -> Form {
     let steps = resolution.texel_steps();
     // The edge function is normal * (centre - a), centre = (texel + 1/2) * steps.
     let at_first = normal[0] * (steps / 2 - ax) + normal[1] * (steps / 2 - ay) - i64::from(!is_inclusive);
-    Form { a: normal[0] as i32, b: normal[1] as i32, c: at_first.div_euclid(steps), shift: 0 }
+    Form { a: normal[0] as i32, b: normal[1] as i32, c: at_first >> resolution.texel_shift(), shift: 0 }
 }
 
 /// The power of two at or below a number; of very small ones less.
@@ -163,7 +163,7 @@ fn plane_in_slices(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Opt
     let steps = resolution.texel_steps();
     let ([a, b], shift) = rounded_slopes(triangle.slope.map(|s| s * steps as f64), HAIR_BITS, MOST_SHIFT[0])?;
     let at_corner = (i64::from(triangle.z[0]) << shift) >> resolution.slice_shift();
-    let surface = at_first_texel(triangle, [a, b], at_corner, steps);
+    let surface = at_first_texel(triangle, [a, b], at_corner, resolution);
     let (hair, half_slice) = (1i64 << (shift - HAIR_BITS), 1i64 << (shift - 1));
     let c = match side {
         Side::Behind => surface + (1 << shift),
@@ -174,16 +174,17 @@ fn plane_in_slices(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Opt
 }
 
 fn plane_in_steps(triangle: &BuildTriangle, side: Side, slices: &Slices) -> Option<Form> {
-    let steps = slices.resolution().texel_steps();
+    let resolution = slices.resolution();
+    let steps = resolution.texel_steps();
     let moved = if side == Side::Before { slices.value_before() } else { slices.value_of(true) };
     let ([a, b], shift) = rounded_slopes(triangle.slope.map(|s| s * steps as f64 * moved.share), 0, MOST_SHIFT[1])?;
     let at_corner = (moved.of(f64::from(triangle.z[0])) * (1i64 << shift) as f64) as i64;
     let hair = if side == Side::Past { HAIR_STEPS << shift } else { 0 };
-    Some(Form { a: a as i32, b: b as i32, c: at_first_texel(triangle, [a, b], at_corner, steps) + hair, shift })
+    Some(Form { a: a as i32, b: b as i32, c: at_first_texel(triangle, [a, b], at_corner, resolution) + hair, shift })
 }
 
 /// A plane's value at the first texel's centre, given that at the triangle's first corner.
-fn at_first_texel(triangle: &BuildTriangle, [a, b]: [i64; 2], at_corner: i64, steps: i64) -> i64 {
-    let [dx, dy] = [triangle.x[0], triangle.y[0]].map(|c| i64::from(c) - steps / 2);
-    at_corner - (a * dx + b * dy).div_euclid(steps)
+fn at_first_texel(triangle: &BuildTriangle, [a, b]: [i64; 2], at_corner: i64, resolution: Resolution) -> i64 {
+    let [dx, dy] = [triangle.x[0], triangle.y[0]].map(|c| i64::from(c) - resolution.texel_steps() / 2);
+    at_corner - ((a * dx + b * dy) >> resolution.texel_shift())
 }

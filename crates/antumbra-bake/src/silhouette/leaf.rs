@@ -2,18 +2,21 @@
 
 use antumbra::format::silhouette::Form;
 use antumbra::format::slices::Spread;
+use arrayvec::ArrayVec;
 
 use super::accept::{Forms, corners};
 use super::form::{EdgeKey, Plane, Side, Surface};
 use super::sketch::{Cut, Set, Sketch, Turn};
 use pulp::{Simd, WithSimd};
 
-use crate::columns::{Entry, Lanes, Leaf, LeafScratch, Transition};
+use crate::columns::{COVERS, Entry, Lanes, Leaf, LeafScratch, Transition};
 use crate::light_space::Slices;
 
 /// Edges and planes that are tried.
 const MOST_EDGES: usize = 10;
 const MOST_PLANES: usize = 16;
+/// Those, one more, and what wedges and pairs add.
+const MOST_FOUND: usize = MOST_PLANES + 1 + MOST_SIDES * MOST_SIDES + MOST_SINGLE * (MOST_SINGLE - 1);
 /// Fronts and backs that wedges are tried of.
 const MOST_SIDES: usize = 4;
 /// Planes of which pairs are tried.
@@ -23,12 +26,21 @@ const MOST_COUNTED: u32 = 16;
 /// Triangles that are looked at.
 const MOST_TRIANGLES: usize = 48;
 
+/// Surfaces, and the texels at which each is right.
+type Found = ArrayVec<(Surface, u64), MOST_FOUND>;
+
+/// Pairs of texels that are remembered because no constant suits both.
+const MOST_CONFLICTS: usize = 8;
+
 /// A leaf in the making.
 struct Parts<'a> {
     enter: &'a Lanes,
     exit: &'a Lanes,
     /// Each surface, and the texels at which it is right.
-    surfaces: Vec<(Surface, u64)>,
+    surfaces: Found,
+    /// Pairs of texels that no constant suits, and how many were found.
+    conflicts: [u64; MOST_CONFLICTS],
+    found: usize,
 }
 
 /// A leaf's sketch; `entries` are sorted by their first slices.
@@ -65,7 +77,8 @@ impl WithSimd for Regions<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { enter, exit, leaf, entries, forms } = self;
-        let parts = Parts { enter, exit, surfaces: surfaces(enter, exit, leaf, entries, forms) };
+        let surfaces = surfaces(enter, exit, leaf, entries, forms);
+        let mut parts = Parts { enter, exit, surfaces, conflicts: [0; MOST_CONFLICTS], found: 0 };
         if let Some(set) = parts.set(u64::MAX) {
             return Some(Sketch::Flat(set));
         }
@@ -76,7 +89,10 @@ impl WithSimd for Regions<'_> {
 impl Parts<'_> {
     /// The depths that suit all texels of a mask.
     #[inline(always)]
-    fn set(&self, mask: u64) -> Option<Set> {
+    fn set(&mut self, mask: u64) -> Option<Set> {
+        if self.is_hopeless(mask) {
+            return None;
+        }
         let (mut lows, mut highs) = ([0; 8], [u32::MAX; 8]);
         for y in 0..8 {
             let row = (mask >> (8 * y)) as u32 & 0xff;
@@ -88,32 +104,63 @@ impl Parts<'_> {
         }
         let low = lows.into_iter().fold(0, u32::max);
         let high = highs.into_iter().fold(u32::MAX, u32::min);
-        let mut set = Set::constants(low, high);
         let fits = self.surfaces.iter().filter(|(_, right)| right & mask == mask);
-        fits.for_each(|(surface, _)| set.push(*surface));
-        (!set.is_empty()).then_some(set)
+        let set = Set::new([low, high], fits.map(|(surface, _)| *surface));
+        if set.is_empty() {
+            self.remember(mask, [low, high]);
+            return None;
+        }
+        Some(set)
+    }
+
+    /// Whether no depth suits all texels of a mask: two are in it that no constant suits, and no surface is right at all of them.
+    #[inline(always)]
+    fn is_hopeless(&self, mask: u64) -> bool {
+        let conflicts = &self.conflicts[..self.found.min(MOST_CONFLICTS)];
+        conflicts.iter().any(|pair| mask & pair == *pair)
+            && !self.surfaces.iter().any(|(_, right)| right & mask == mask)
+    }
+
+    /// Remembers two texels of a mask that no constant suits: the one that enters last, and the one that leaves first.
+    #[inline(always)]
+    fn remember(&mut self, mask: u64, [last, first]: [u32; 2]) {
+        let texel = |depths: &Lanes, depth: u32| {
+            let found = depths.iter().enumerate().find(|(i, d)| mask >> i & 1 != 0 && **d == depth);
+            found.map_or(0, |(i, _)| 1u64 << i)
+        };
+        self.conflicts[self.found % MOST_CONFLICTS] = texel(self.enter, last) | texel(self.exit, first);
+        self.found += 1;
     }
 
     /// One edge that parts the leaf, or two.
     #[inline(always)]
-    fn cut(&self, edges: &[(EdgeKey, u64)]) -> Option<Sketch> {
-        let cut = |edges: Vec<EdgeKey>, regions| Some(Sketch::Cut(Box::new(Cut { edges, regions })));
+    fn cut(&mut self, edges: &[(EdgeKey, u64)]) -> Option<Sketch> {
+        let cut = |edges: &[EdgeKey], regions| {
+            let edges = edges.iter().copied().collect();
+            Some(Sketch::Cut(Box::new(Cut { edges, regions })))
+        };
         for (edge, left) in edges {
-            if let (Some(right), Some(left)) = (self.set(!left), self.set(*left)) {
-                return cut(vec![*edge], [Some(right), Some(left), None, None]);
+            if !self.is_hopeless(*left)
+                && let Some(right) = self.set(!left)
+                && let Some(left) = self.set(*left)
+            {
+                return cut(&[*edge], [Some(right), Some(left), None, None]);
             }
         }
         for (i, (a, left_a)) in edges.iter().enumerate() {
             for (b, left_b) in &edges[i + 1..] {
                 let (first, second, left) = if a < b { (left_a, left_b, [*a, *b]) } else { (left_b, left_a, [*b, *a]) };
                 let masks = [!first & !second, first & !second, !first & second, first & second];
+                if masks.iter().any(|mask| *mask != 0 && self.is_hopeless(*mask)) {
+                    continue;
+                }
                 let mut regions = [None; 4];
                 let fits = masks.iter().zip(&mut regions).all(|(mask, region)| {
                     *region = if *mask == 0 { None } else { self.set(*mask) };
                     *mask == 0 || region.is_some()
                 });
                 if fits {
-                    return cut(left.to_vec(), regions);
+                    return cut(&left, regions);
                 }
             }
         }
@@ -126,20 +173,20 @@ struct Surfaces<'a> {
     enter: &'a Lanes,
     exit: &'a Lanes,
     /// Each that is right somewhere, and the texels where it is.
-    found: Vec<(Surface, u64)>,
-    /// Triangles where rays enter a solid: depths just behind them, and deep ones.
-    fronts: Vec<(u32, [Lanes; 2])>,
-    /// Triangles where rays leave: depths just before them.
-    backs: Vec<(u32, Lanes)>,
-    /// Planes of which two may be right together: where they are right alone, and their depths.
-    single: Vec<(Plane, u64, Lanes)>,
+    found: Found,
+    /// The first triangles where rays enter a solid: depths just behind them, and deep ones.
+    fronts: ArrayVec<(u32, [Lanes; 2]), MOST_SIDES>,
+    /// The first ones where rays leave: depths just before them.
+    backs: ArrayVec<(u32, Lanes), MOST_SIDES>,
+    /// The first planes of which two may be right together: where they are right alone, and their depths.
+    single: ArrayVec<(Plane, u64, Lanes), MOST_SINGLE>,
 }
 
 /// Surfaces of the leaf's triangles that are right somewhere, and where.
 #[inline(always)]
-fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(Surface, u64)> {
-    let (found, fronts, backs, single) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut surfaces = Surfaces { enter, exit, found, fronts, backs, single };
+fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Found {
+    let (fronts, backs, single) = (ArrayVec::new(), ArrayVec::new(), ArrayVec::new());
+    let mut surfaces = Surfaces { enter, exit, found: Found::new(), fronts, backs, single };
     // Where there is no slack no depth but the surface's own is right.
     let is_exact = enter == exit;
     for entry in entries {
@@ -156,11 +203,15 @@ fn surfaces(enter: &Lanes, exit: &Lanes, leaf: Leaf<'_>, entries: &[Entry], form
         let Some(form) = forms.plane(plane) else { continue };
         let own = depths_at(&form, leaf, forms.slices, false);
         if winding == -1 {
-            surfaces.backs.push((entry.triangle, own));
+            if !surfaces.backs.is_full() {
+                surfaces.backs.push((entry.triangle, own));
+            }
         } else if !is_exact {
             let deep = depths_at(&forms.deep(form), leaf, forms.slices, true);
             surfaces.push_plane(plane.deep(), deep);
-            surfaces.fronts.extend((winding == 1).then_some((entry.triangle, [own, deep])));
+            if winding == 1 && !surfaces.fronts.is_full() {
+                surfaces.fronts.push((entry.triangle, [own, deep]));
+            }
         }
         if winding == 0 {
             surfaces.push_plane(plane, own);
@@ -195,15 +246,17 @@ impl Surfaces<'_> {
         let right = self.right(&depths);
         if right != 0 {
             self.found.push((Surface::plane(plane), right));
-            self.single.push((plane, right, depths));
+            if !self.single.is_full() {
+                self.single.push((plane, right, depths));
+            }
         }
     }
 
     #[inline(always)]
     fn push_wedges(&mut self) {
         let (fronts, backs) = (std::mem::take(&mut self.fronts), std::mem::take(&mut self.backs));
-        for (front, [own, deep]) in fronts.iter().take(MOST_SIDES) {
-            for (back, before) in backs.iter().take(MOST_SIDES) {
+        for (front, [own, deep]) in &fronts {
+            for (back, before) in &backs {
                 let mut depths = *own;
                 for (i, depth) in depths.iter_mut().enumerate() {
                     *depth = (*depth).max(deep[i].min(before[i]));
@@ -217,7 +270,7 @@ impl Surfaces<'_> {
     #[inline(always)]
     fn push_pairs(&mut self) {
         let single = std::mem::take(&mut self.single);
-        for (i, (a, right_a, depths_a)) in single.iter().enumerate().take(MOST_SINGLE) {
+        for (i, (a, right_a, depths_a)) in single.iter().enumerate() {
             for (b, right_b, depths_b) in &single[..i] {
                 if right_a & !right_b == 0 || right_b & !right_a == 0 {
                     continue;
@@ -281,11 +334,11 @@ fn mask_of(bits: &[u8; 64]) -> u64 {
 
 /// The edges that cross the leaf, and the texels to the left of each: silhouettes first, then others, from front to back.
 #[inline(always)]
-fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(EdgeKey, u64)> {
-    let mut found: Vec<(EdgeKey, u64, i32)> = Vec::new();
+fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> ArrayVec<(EdgeKey, u64), MOST_EDGES> {
+    let mut found: ArrayVec<(EdgeKey, u64, i32), { 3 * MOST_TRIANGLES }> = ArrayVec::new();
     for entry in entries {
         let triangle = &forms.triangles[entry.triangle as usize];
-        if triangle.is_edge_on() {
+        if triangle.is_edge_on() || entry.has(COVERS) {
             continue;
         }
         for i in 0..3 {
@@ -301,13 +354,12 @@ fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> Vec<(EdgeKey, 
             }
         }
     }
-    let (mut silhouettes, others): (Vec<_>, Vec<_>) = found.into_iter().partition(|(_, _, sum)| *sum != 0);
-    silhouettes.extend(others);
-    let mut edges: Vec<(EdgeKey, u64)> = Vec::new();
-    for (key, left, _) in silhouettes {
-        let is_new = edges.iter().all(|(_, known)| *known != left && *known != !left);
-        if is_new && edges.len() < MOST_EDGES {
-            edges.push((key, left));
+    let of = |is_silhouette: bool| found.iter().filter(move |(_, _, sum)| (*sum != 0) == is_silhouette);
+    let mut edges: ArrayVec<(EdgeKey, u64), MOST_EDGES> = ArrayVec::new();
+    for (key, left, _) in of(true).chain(of(false)) {
+        let is_new = edges.iter().all(|(_, known)| known != left && *known != !left);
+        if is_new && !edges.is_full() {
+            edges.push((*key, *left));
         }
     }
     edges

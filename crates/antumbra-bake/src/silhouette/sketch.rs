@@ -1,16 +1,18 @@
 //! Sketches: what is known of a tile before depths are chosen. A leaf's regions each have a set of depths, any of which is right
 //! at all of the region's texels; four leaves become one while two edges are enough and each region's sets still meet.
 
-use super::accept::{Forms, Polygon, corners};
+use arrayvec::ArrayVec;
+
+use super::accept::{Candidates, Forms, Polygon, corners};
 use super::form::{EdgeKey, Surface};
 use crate::columns::Tile;
 
 /// Surfaces kept of a set.
-const MOST_SURFACES: usize = 6;
+pub(super) const MOST_SURFACES: usize = 6;
 /// Surfaces that are tried.
 const MOST_TRIED: usize = 12;
 /// Most parts of a region: four of each of four tiles.
-const MOST_PARTS: usize = 16;
+pub(super) const MOST_PARTS: usize = 16;
 
 /// Depths (first shadowed slices, N for none) that are right for every texel of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +26,7 @@ pub(crate) struct Set {
 /// A tile's regions by the sides of its edges: bit i of a region's number is set to the left of edge i.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Cut {
-    pub edges: Vec<EdgeKey>,
+    pub edges: ArrayVec<EdgeKey, 2>,
     pub regions: [Option<Set>; 4],
 }
 
@@ -52,6 +54,14 @@ pub(crate) enum Sketch {
 impl Set {
     pub fn constants(low: u32, high: u32) -> Self {
         Self { low, high, surfaces: [Surface::NONE; MOST_SURFACES] }
+    }
+
+    /// The constants from the first of two to the second, and the first of some surfaces.
+    #[inline(always)]
+    pub fn new([low, high]: [u32; 2], found: impl Iterator<Item = Surface>) -> Self {
+        let mut set = Self::constants(low, high);
+        set.surfaces.iter_mut().zip(found).for_each(|(place, surface)| *place = surface);
+        set
     }
 
     /// Adds a surface while there is room.
@@ -92,7 +102,7 @@ impl Sketch {
         let Self::Inner(children) = self else { return 0 };
         let of = |child: &Self| match child {
             Self::Flat(_) | Self::Inner(_) => 0,
-            Self::Cut(cut) => size_of::<Cut>() + cut.edges.len() * size_of::<EdgeKey>(),
+            Self::Cut(_) => size_of::<Cut>(),
             Self::Masks(turns) => turns.len() * size_of::<Turn>(),
         };
         (size_of::<[Self; 4]>() + children.iter().map(of).sum::<usize>()) as u64
@@ -135,7 +145,7 @@ fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Ske
     }
     let mut regions = [None; 4];
     for (number, region) in regions.iter_mut().enumerate().take(1 << count) {
-        let mut parts = Vec::with_capacity(MOST_PARTS);
+        let mut parts: ArrayVec<(Polygon, &Set), MOST_PARTS> = ArrayVec::new();
         for (i, child) in (0..).zip(children) {
             let own = child.edges()?;
             for part in 0..1 << own.len() {
@@ -157,23 +167,31 @@ fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Ske
             *region = Some(met(&parts, forms)?);
         }
     }
-    let edges = edges.to_vec();
+    let edges: ArrayVec<EdgeKey, 2> = edges.iter().copied().collect();
     Some(if edges.is_empty() { Sketch::Flat(regions[0]?) } else { Sketch::Cut(Box::new(Cut { edges, regions })) })
 }
 
 /// The depths that all of some regions' sets have, if there are any.
+#[inline(never)]
 fn met(parts: &[(Polygon, &Set)], forms: &Forms<'_>) -> Option<Set> {
     let low = parts.iter().map(|(_, set)| set.low).max()?;
     let high = parts.iter().map(|(_, set)| set.high).min()?;
-    let mut all = Set::constants(low, high);
-    let mut tried: Vec<Surface> = Vec::with_capacity(MOST_TRIED);
-    for surface in parts.iter().flat_map(|(_, set)| set.surfaces()) {
-        if tried.len() < MOST_TRIED && !tried.contains(&surface) {
-            tried.push(surface);
-            if parts.iter().all(|(polygon, set)| forms.accepts(set, polygon, surface)) {
-                all.push(surface);
-            }
+    let mut candidates = Candidates::new(forms, parts.iter().map(|(_, set)| *set));
+    let mut right = (1u32 << candidates.len().min(MOST_TRIED)) - 1;
+    for part in parts {
+        candidates.forget();
+        for number in numbers_of(right) {
+            right &= !(u32::from(!candidates.accepts(number, part)) << number);
+        }
+        if right == 0 {
+            break;
         }
     }
-    (!all.is_empty()).then_some(all)
+    (low <= high || right != 0)
+        .then(|| Set::new([low, high], numbers_of(right).map(|number| candidates.surface(number))))
+}
+
+/// Numbers of the bits that are set.
+fn numbers_of(bits: u32) -> impl Iterator<Item = usize> {
+    (0..u32::BITS as usize).filter(move |number| bits >> number & 1 != 0)
 }
