@@ -154,9 +154,7 @@ impl WithSimd for FacePattern<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { leaf, triangle } = self;
-        let surface = triangle.leaf_slices(leaf.first_center(), &[u32::MAX; TEXELS], leaf.build.slices);
-        let enter = map(&surface, |slice| slice + 1);
-        let span = leaf.record_enters(&enter);
+        let (enter, span) = leaf.enters_of_face(triangle);
         let key = LeafKey::new(&enter, span, leaf.build.resolution().texels());
         (enter, key)
     }
@@ -262,6 +260,15 @@ impl Leaf<'_> {
     pub fn first_center(&self) -> [i64; 2] {
         let resolution = self.build.resolution();
         [resolution.texel_center(self.tile.x), resolution.texel_center(self.tile.y)]
+    }
+
+    /// First shadowed slices of a leaf that one open face hides; the least and the greatest, which are noted where that is wanted.
+    #[inline(always)]
+    pub fn enters_of_face(&self, face: &BuildTriangle) -> (Lanes, [u32; 2]) {
+        let surface = face.leaf_slices(self.first_center(), &[u32::MAX; TEXELS], self.build.slices);
+        let enter = map(&surface, |slice| slice + 1);
+        let span = self.record_enters(&enter);
+        (enter, span)
     }
 
     /// Least and greatest first shadowed slice, noted where that is wanted.

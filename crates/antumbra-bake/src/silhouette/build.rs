@@ -6,7 +6,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use antumbra::format::silhouette::Form;
+
 use super::accept::Forms;
+use super::form::{Plane, Side, Surface};
 use super::gap::add_planes;
 use super::leaf;
 use super::sketch::{Set, Sketch};
@@ -147,7 +150,39 @@ impl<'a> Worker<'a> {
                 }
                 Sketch::Flat(set)
             }
-            Settled::Face { clamp, .. } | Settled::Mixed { clamp } => self.mixed(tile, entries, clamp),
+            Settled::Face { triangle, clamp } => {
+                let span = self.face(tile, triangle);
+                span.map_or_else(|| self.mixed(tile, entries, clamp), Sketch::Flat)
+            }
+            Settled::Mixed { clamp } => self.mixed(tile, entries, clamp),
+        }
+    }
+
+    /// The depths of a tile that one open triangle hides, if its plane is right throughout.
+    fn face(&mut self, tile: Tile, triangle: u32) -> Option<Set> {
+        let plane = Plane::new(triangle, Side::Behind);
+        let of_solid = self.build.triangles[triangle as usize].is_solid();
+        let form = self.forms.plane(plane).filter(|_| !of_solid && triangle <= Plane::MOST_TRIANGLES)?;
+        let [least, greatest] = self.span_of_face(tile, triangle, form)?;
+        Some(Set::new([greatest, least], std::iter::once(Surface::plane(plane))))
+    }
+
+    fn span_of_face(&mut self, tile: Tile, triangle: u32, form: Form) -> Option<[u32; 2]> {
+        if tile.log2 <= PAUSE_LOG2 {
+            self.rest(tile);
+            return self.build.arch().dispatch(leaf::Face { build: self.build, tile, triangle, form });
+        }
+        let mut span = [u32::MAX, 0];
+        for i in 0..4 {
+            let [least, greatest] = self.span_of_face(tile.child(i), triangle, form)?;
+            span = [span[0].min(least), span[1].max(greatest)];
+        }
+        (!self.stopped).then_some(span)
+    }
+
+    fn rest(&mut self, tile: Tile) {
+        if tile.log2 == PAUSE_LOG2 {
+            self.stopped |= !(self.build.pause)();
         }
     }
 
@@ -155,9 +190,7 @@ impl<'a> Worker<'a> {
         if tile.log2 == LEAF_LOG2 {
             return leaf::sketch(&mut self.leaf, Leaf { build: self.build, tile }, entries, clamp, &self.forms);
         }
-        if tile.log2 == PAUSE_LOG2 {
-            self.stopped |= !(self.build.pause)();
-        }
+        self.rest(tile);
         let mut lists = std::mem::take(&mut self.lists[tile.log2 as usize]);
         lists.iter_mut().for_each(Vec::clear);
         split(self.build.arch(), self.build, tile, entries, &mut lists);

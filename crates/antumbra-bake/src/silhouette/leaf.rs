@@ -9,7 +9,7 @@ use super::form::{EdgeKey, Plane, Side, Surface};
 use super::sketch::{Cut, Set, Sketch, Turn};
 use pulp::{Simd, WithSimd};
 
-use crate::columns::{COVERS, Entry, Lanes, Leaf, LeafScratch, Transition};
+use crate::columns::{Build, COVERS, Entry, LEAF_LOG2, Lanes, Leaf, LeafScratch, Tile, Transition};
 use crate::light_space::Slices;
 
 /// Edges and planes that are tried.
@@ -59,6 +59,39 @@ pub(crate) fn sketch(
         let turn = |t: &Transition| Turn { low: t.first, high: t.last, lit: t.lit };
         Sketch::Masks(scratch.transitions(&enter, &exit, slices).iter().map(turn).collect())
     })
+}
+
+/// A tile that one open triangle hides, whose plane is right at all of its texels: the least and the greatest first shadowed slice. `None` where it
+/// is not.
+pub(crate) struct Face<'a> {
+    pub build: &'a Build<'a>,
+    pub tile: Tile,
+    pub triangle: u32,
+    /// Its plane, just behind it.
+    pub form: Form,
+}
+
+impl WithSimd for Face<'_> {
+    type Output = Option<[u32; 2]>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { build, tile, triangle, form } = self;
+        let triangle = &build.triangles[triangle as usize];
+        let steps = || (0..1 << tile.log2).step_by(1 << LEAF_LOG2);
+        let mut span = [u32::MAX, 0];
+        for y in steps() {
+            for x in steps() {
+                let leaf = Leaf { build, tile: Tile { x: tile.x + x, y: tile.y + y, log2: LEAF_LOG2 } };
+                let (enter, [least, greatest]) = leaf.enters_of_face(triangle);
+                if depths_at(&form, leaf, build.slices, false) != enter {
+                    return None;
+                }
+                span = [span[0].min(least), span[1].max(greatest)];
+            }
+        }
+        Some(span)
+    }
 }
 
 /// Finds a leaf's regions.
