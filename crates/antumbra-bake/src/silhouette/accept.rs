@@ -74,8 +74,8 @@ const MOST_KNOWN: usize = MOST_PARTS * MOST_SURFACES;
 /// Surfaces of which some are right throughout a part of a tile, and others may be.
 pub(crate) struct Candidates<'a> {
     forms: &'a Forms<'a>,
-    /// Each once.
-    surfaces: ArrayVec<(Surface, Option<Shape>), MOST_KNOWN>,
+    /// Each once, with its shape where it has been asked for.
+    surfaces: ArrayVec<(Surface, Option<Option<Shape>>), MOST_KNOWN>,
     /// Their values over the part at hand, where they have been asked for.
     over: ArrayVec<Option<Option<Over>>, MOST_KNOWN>,
 }
@@ -83,10 +83,10 @@ pub(crate) struct Candidates<'a> {
 impl<'a> Candidates<'a> {
     /// The surfaces of some sets.
     pub fn new<'s>(forms: &'a Forms<'a>, sets: impl IntoIterator<Item = &'s Set>) -> Self {
-        let mut surfaces: ArrayVec<(Surface, Option<Shape>), MOST_KNOWN> = ArrayVec::new();
+        let mut surfaces: ArrayVec<(Surface, Option<Option<Shape>>), MOST_KNOWN> = ArrayVec::new();
         for surface in sets.into_iter().flat_map(Set::surfaces) {
             if !surfaces.iter().any(|(known, _)| *known == surface) {
-                surfaces.push((surface, forms.shape(surface)));
+                surfaces.push((surface, None));
             }
         }
         Self { forms, surfaces, over: ArrayVec::new() }
@@ -108,8 +108,11 @@ impl<'a> Candidates<'a> {
 
     fn over(&mut self, number: usize, polygon: &Polygon) -> Option<Over> {
         let Self { forms, surfaces, over } = self;
-        let shape = surfaces[number].1.as_ref();
-        *over[number].get_or_insert_with(|| forms.over(shape?, polygon))
+        let (surface, shape) = &mut surfaces[number];
+        *over[number].get_or_insert_with(|| {
+            let shape = shape.get_or_insert_with(|| forms.shape(*surface));
+            forms.over(shape.as_ref()?, polygon)
+        })
     }
 
     /// Whether a surface is right throughout a polygon: not before what must be lit, not behind what must be shadowed, both of which
