@@ -215,8 +215,13 @@ struct Ends {
 }
 
 impl Ends {
-    const NONE: Self =
-        Self { form: Form { a: 0, b: 0, c: 0, shift: 0 }, is_plain: false, at: [0.0; MOST_CORNERS], count: 0, slack: 0.0 };
+    const NONE: Self = Self {
+        form: Form { a: 0, b: 0, c: 0, shift: 0 },
+        is_plain: false,
+        at: [0.0; MOST_CORNERS],
+        count: 0,
+        slack: 0.0,
+    };
 
     fn new(form: Form, polygon: &Polygon) -> Self {
         let unit = 1.0 / (1i64 << form.shift) as f64;

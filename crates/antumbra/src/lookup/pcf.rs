@@ -148,7 +148,8 @@ impl<'a> Window<'a> {
     fn silhouette_weight(&self, grid: &TopGrid, (stride, spread): (u32, Spread<'_>)) -> u32 {
         let slice = Slice::new(self.pool, self.z, stride, spread);
         let [first, last] = [self.first, self.last].map(|texel| texel.map(|c| c as u32));
-        let mut window = window::Window::new(first);
+        let is_box = self.filter.kernel() != Kernel::Tent;
+        let mut window = window::Window::new(first, is_box);
         // Cells of the top grid, or all of a coarse level whose texels are wider than they.
         let (cell, level) =
             if stride < grid.level { (grid.level - stride, grid.level) } else { (grid.root.1 - stride, grid.root.1) };
@@ -164,12 +165,12 @@ impl<'a> Window<'a> {
                 slice.add_lit(&mut window, tile, level, [from, to]);
             }
         }
-        self.weight_of_rows(&window.rows)
+        if is_box { window.count } else { self.tent_weight_of_rows(&window.rows) }
     }
 
-    /// Weight of the window's taps that are set, row by row from its first on.
+    /// Tent weight of the window's taps that are set, row by row from its first on.
     #[inline]
-    fn weight_of_rows(&self, rows: &[u32; window::Window::SIDE]) -> u32 {
+    fn tent_weight_of_rows(&self, rows: &[u32; window::Window::SIDE]) -> u32 {
         let [width, height] = [0, 1].map(|axis| (self.last[axis] - self.first[axis]) as usize + 1);
         let rows = &rows[..height];
         let all = (1u32 << width) - 1;
@@ -178,9 +179,6 @@ impl<'a> Window<'a> {
         }
         if rows.iter().all(|row| *row == 0) {
             return 0;
-        }
-        if self.filter.kernel() != Kernel::Tent {
-            return rows.iter().map(|row| row.count_ones()).sum();
         }
         let weight =
             |axis: usize, i: usize| self.filter.weight(self.center[axis].abs_diff(self.first[axis] + i as i32));

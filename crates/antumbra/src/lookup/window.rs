@@ -51,41 +51,51 @@ impl<'a> Slice<'a> {
         // The least level whose one tile holds the whole rectangle.
         let joint = u32::BITS - ((first[0] ^ last[0]) | (first[1] ^ last[1])).leading_zeros() + self.stride;
         let (tile, level) = descend(self.pool, tile, level, joint, self.middle(first));
-        if kind(tile) != Kind::Inner {
-            window.add(rectangle, self.lit_of_leaf(tile, rectangle));
-        } else if joint == self.stride {
-            // One of the level's texels.
-            let is_lit = self.is_lit(tile, level, self.middle(first));
-            window.add(rectangle, if is_lit { Lit::All } else { Lit::None });
+        if kind(tile) == Kind::Inner {
+            if joint == self.stride {
+                // One of the level's texels.
+                let is_lit = self.is_lit(tile, level, self.middle(first));
+                window.add::<u64>(rectangle, if is_lit { Lit::All } else { Lit::None });
+            } else {
+                self.add_lit_of_children(window, tile, level - 1, rectangle);
+            }
+        } else if [0, 1].iter().all(|axis| last[*axis] - first[*axis] < <u64 as Rows>::SIDE) {
+            window.add(rectangle, self.lit_of_leaf::<u64>(tile, rectangle));
         } else {
-            self.add_lit_of_children(window, tile, level - 1, rectangle);
+            window.add(rectangle, self.lit_of_leaf::<WideRows>(tile, rectangle));
         }
     }
 
     fn add_lit_of_children(&self, window: &mut Window, tile: u32, below: u32, [first, last]: [[u32; 2]; 2]) {
         let bits = below - self.stride;
-        // Halves that the rectangle touches, and where the second begins.
-        let halves = [0, 1].map(|axis| (first[axis] >> bits & 1)..=(last[axis] >> bits & 1));
-        let middles = last.map(|c| c >> bits << bits);
-        for y in halves[1].clone() {
-            for x in halves[0].clone() {
-                let of = |axis: usize, half: u32| {
-                    let is_split = halves[axis].start() != halves[axis].end();
-                    match (is_split, half) {
-                        (false, _) => [first[axis], last[axis]],
-                        (true, 0) => [first[axis], middles[axis] - 1],
-                        (true, _) => [middles[axis], last[axis]],
-                    }
-                };
-                let ([x0, x1], [y0, y1]) = (of(0, x), of(1, y));
-                let child = self.pool[payload(tile) + (x + 2 * y) as usize];
-                self.add_lit(window, child, below, [[x0, y0], [x1, y1]]);
+        let children = payload(tile);
+        // Where the second half begins, if the rectangle is in both.
+        let [x, y] = [0, 1].map(|axis| {
+            let middle = last[axis] >> bits << bits;
+            (first[axis] < middle).then_some(middle)
+        });
+        let half = |axis: usize| (first[axis] >> bits & 1) as usize;
+        let mut add = |column: usize, row: usize, [x0, x1]: [u32; 2], [y0, y1]: [u32; 2]| {
+            self.add_lit(window, self.pool[children + column + 2 * row], below, [[x0, y0], [x1, y1]]);
+        };
+        let mut add_row = |row: usize, ys: [u32; 2]| match x {
+            None => add(half(0), row, [first[0], last[0]], ys),
+            Some(middle) => {
+                add(0, row, [first[0], middle - 1], ys);
+                add(1, row, [middle, last[0]], ys);
+            }
+        };
+        match y {
+            None => add_row(half(1), [first[1], last[1]]),
+            Some(middle) => {
+                add_row(0, [first[1], middle - 1]);
+                add_row(1, [middle, last[1]]);
             }
         }
     }
 
     #[inline]
-    fn lit_of_leaf(&self, leaf: u32, rectangle: [[u32; 2]; 2]) -> Lit {
+    fn lit_of_leaf<R: Rows>(&self, leaf: u32, rectangle: [[u32; 2]; 2]) -> Lit<R> {
         let at = payload(leaf);
         let left = |i: usize| self.not_negative(Form::read(self.pool, self.pool[at + i] as usize), rectangle);
         let value = |i: usize| self.lit_of_value(self.pool[at + i], rectangle);
@@ -95,27 +105,30 @@ impl<'a> Slice<'a> {
                 let (a, b) = (left(0), left(1));
                 b.choose(|| a.choose(|| value(2), || value(3)), || a.choose(|| value(4), || value(5)))
             }
-            Kind::Masks => self.lit_of_mask(turn(self.pool, leaf, self.z), rectangle),
+            Kind::Masks => Lit::Rows(R::of_mask(self.mask_from(turn(self.pool, leaf, self.z), rectangle))),
             _ => self.lit_of_value(leaf, rectangle),
         }
     }
 
-    /// A rectangle's texels in a tile whose mask is given.
+    /// The mask of a rectangle's texels in a tile whose mask is given: byte y is its row y, of rows and columns past its sides anything.
     #[inline]
-    fn lit_of_mask(&self, mask: u64, [first, last]: [[u32; 2]; 2]) -> Lit {
-        let mut rows = [0; Window::SIDE];
-        for (y, row) in (first[1]..=last[1]).zip(&mut rows) {
+    fn mask_from(&self, mask: u64, [first, last]: [[u32; 2]; 2]) -> u64 {
+        if self.stride == 0 {
+            return mask >> (8 * (first[1] & 7) + (first[0] & 7));
+        }
+        let mut found = 0;
+        for y in first[1]..=last[1] {
             for x in first[0]..=last[0] {
                 let [column, line] = self.middle([x, y]).map(|c| c & 7);
-                *row |= ((mask >> (8 * line + column) & 1) as u32) << (x - first[0]);
+                found |= (mask >> (8 * line + column) & 1) << (8 * (y - first[1]) + x - first[0]);
             }
         }
-        Lit::Rows(rows)
+        found
     }
 
     /// Where a depth lies behind this slice.
     #[inline]
-    fn lit_of_value(&self, value: u32, rectangle: [[u32; 2]; 2]) -> Lit {
+    fn lit_of_value<R: Rows>(&self, value: u32, rectangle: [[u32; 2]; 2]) -> Lit<R> {
         let behind = |plane: Plane| self.not_negative(self.behind(plane), rectangle);
         match Value::read(self.pool, value, self.spread) {
             Value::Depth(depth) if self.z < depth => Lit::All,
@@ -136,7 +149,7 @@ impl<'a> Slice<'a> {
 
     /// The texels of a rectangle at which a form is not negative.
     #[inline]
-    fn not_negative(&self, form: Form, [first, last]: [[u32; 2]; 2]) -> Lit {
+    fn not_negative<R: Rows>(&self, form: Form, [first, last]: [[u32; 2]; 2]) -> Lit<R> {
         let corner = form.at(self.middle(first));
         let [a, b] = [form.a, form.b].map(|rise| i64::from(rise) << self.stride);
         let steps = [0, 1].map(|axis| last[axis] - first[axis]);
@@ -150,43 +163,153 @@ impl<'a> Slice<'a> {
             return Lit::None;
         }
         // Along a row those that are not negative lie together at one end: at the first one's if values fall.
-        let [width, height] = steps.map(|step| step + 1);
-        let counts = row_counts([corner, a, b], width, height);
-        let all = (1u32 << width) - 1;
-        Lit::Rows(counts.map(|count| if a < 0 { !(u32::MAX << count) } else { all << count & all }))
+        Lit::Rows(R::of_values([corner, a, b], steps.map(|step| step + 1)))
     }
 }
 
-/// Of each row of the values corner + a x + b y: how many are not negative where a is negative, else how many are negative. Of rows past the
-/// height anything.
-#[inline]
-fn row_counts([corner, a, b]: [i64; 3], width: u32, height: u32) -> [u32; Window::SIDE] {
-    /// 1.5 * 2^52: doubles near it are whole numbers, in their low bits.
-    const ROUNDER: f64 = (3u64 << 51) as f64;
-    const GROUP: usize = 8;
-    // Half a unit off, so that no quotient lies near a whole number. Of a level row all, or none.
-    let factor = if a == 0 { -1e30 } else { -1.0 / a as f64 };
-    let (corner, b, most) = (corner as f64 + 0.5, b as f64, f64::from(width) - 0.75);
-    let mut counts = [0; Window::SIDE];
-    for group in (0..height as usize).step_by(GROUP) {
-        let quotient = |y: usize| (corner + b * (group + y) as f64) * factor;
-        let count = |y: usize| ((quotient(y).clamp(-0.75, most) + 0.5) + ROUNDER).to_bits() as u32 & 0x1f;
-        let found: [u32; GROUP] = core::array::from_fn(count);
-        counts.iter_mut().skip(group).zip(found).for_each(|(count, found)| *count = found);
+/// Which texels of a rectangle are lit, row by row, first column in bit 0; of rows and columns past its sides nothing is said.
+trait Rows: Copy {
+    /// Most texels per side.
+    const SIDE: u32;
+
+    /// All of them, or none.
+    fn same(is_lit: bool) -> Self;
+
+    /// Those at which corner + a x + b y is not negative.
+    fn of_values(values: [i64; 3], sides: [u32; 2]) -> Self;
+
+    /// Those of a mask of up to 8 x 8, of which byte y is row y.
+    fn of_mask(mask: u64) -> Self;
+
+    /// Where this is set another's, else a second one's.
+    fn select(self, own: Self, others: Self) -> Self;
+
+    fn row(&self, y: usize) -> u32;
+
+    /// How many there are.
+    fn count(&self, sides: [u32; 2]) -> u32;
+}
+
+/// Byte y is row y.
+impl Rows for u64 {
+    const SIDE: u32 = 8;
+
+    #[inline(always)]
+    fn same(is_lit: bool) -> Self {
+        u64::from(is_lit).wrapping_neg()
     }
-    counts
+
+    #[inline(always)]
+    fn of_values(values: [i64; 3], [width, _]: [u32; 2]) -> Self {
+        let quotients = Quotients::new(values, width);
+        let counts: [u32; 8] = core::array::from_fn(|y| quotients.count(y));
+        let rows = counts.iter().rev().fold(0u64, |rows, count| (rows << 8) | u64::from(!(u32::MAX << count)));
+        if values[1] < 0 { rows } else { !rows }
+    }
+
+    #[inline(always)]
+    fn of_mask(mask: u64) -> Self {
+        mask
+    }
+
+    #[inline(always)]
+    fn select(self, own: Self, others: Self) -> Self {
+        (own & self) | (others & !self)
+    }
+
+    #[inline(always)]
+    fn row(&self, y: usize) -> u32 {
+        (self >> (8 * y)) as u32
+    }
+
+    #[inline(always)]
+    fn count(&self, [width, height]: [u32; 2]) -> u32 {
+        let columns = ((1u64 << width) - 1) * 0x0101_0101_0101_0101;
+        (self & columns & (u64::MAX >> (64 - 8 * height))).count_ones()
+    }
+}
+
+type WideRows = [u32; Window::SIDE];
+
+impl Rows for WideRows {
+    const SIDE: u32 = Window::SIDE as u32;
+
+    #[inline(always)]
+    fn same(is_lit: bool) -> Self {
+        [u32::from(is_lit).wrapping_neg(); Window::SIDE]
+    }
+
+    #[inline(always)]
+    fn of_values(values: [i64; 3], [width, height]: [u32; 2]) -> Self {
+        const GROUP: usize = 8;
+        let quotients = Quotients::new(values, width);
+        let flip = if values[1] < 0 { 0 } else { u32::MAX };
+        let mut rows = [0; Window::SIDE];
+        for group in (0..height as usize).step_by(GROUP) {
+            let counts: [u32; GROUP] = core::array::from_fn(|y| quotients.count(group + y));
+            rows.iter_mut().skip(group).zip(counts).for_each(|(row, count)| *row = !(u32::MAX << count) ^ flip);
+        }
+        rows
+    }
+
+    #[inline(always)]
+    fn of_mask(mask: u64) -> Self {
+        core::array::from_fn(|y| if y < 8 { mask.row(y) } else { 0 })
+    }
+
+    #[inline(always)]
+    fn select(self, own: Self, others: Self) -> Self {
+        core::array::from_fn(|i| (own[i] & self[i]) | (others[i] & !self[i]))
+    }
+
+    #[inline(always)]
+    fn row(&self, y: usize) -> u32 {
+        self[y]
+    }
+
+    #[inline(always)]
+    fn count(&self, [width, height]: [u32; 2]) -> u32 {
+        let run = (1u32 << width) - 1;
+        self[..height as usize].iter().map(|row| (row & run).count_ones()).sum()
+    }
+}
+
+/// Of each row of the values corner + a x + b y: how many are not negative where a is negative, else how many are negative.
+#[derive(Clone, Copy)]
+struct Quotients {
+    corner: f64,
+    b: f64,
+    factor: f64,
+    most: f64,
+}
+
+impl Quotients {
+    #[inline(always)]
+    fn new([corner, a, b]: [i64; 3], width: u32) -> Self {
+        // Half a unit off, so that no quotient lies near a whole number. Of a level row all, or none.
+        let factor = if a == 0 { -1e30 } else { -1.0 / a as f64 };
+        Self { corner: corner as f64 + 0.5, b: b as f64, factor, most: f64::from(width) - 0.75 }
+    }
+
+    /// Row y's, 0 to the width.
+    #[inline(always)]
+    fn count(&self, y: usize) -> u32 {
+        /// 1.5 * 2^52: doubles near it are whole numbers, in their low bits.
+        const ROUNDER: f64 = (3u64 << 51) as f64;
+        let quotient = (self.corner + self.b * y as f64) * self.factor;
+        ((quotient.clamp(-0.75, self.most) + 0.5) + ROUNDER).to_bits() as u32 & 0x1f
+    }
 }
 
 /// Which texels of a rectangle are lit.
 #[derive(Clone, Copy)]
-enum Lit {
+enum Lit<R> {
     None,
     All,
-    /// Row by row, first column in bit 0; of rows and columns past its sides nothing is said.
-    Rows([u32; Window::SIDE]),
+    Rows(R),
 }
 
-impl Lit {
+impl<R: Rows> Lit<R> {
     /// Of two others, the second where this one is, else the first; they are made only where they are needed.
     #[inline(always)]
     fn choose(self, others: impl FnOnce() -> Self, own: impl FnOnce() -> Self) -> Self {
@@ -194,12 +317,11 @@ impl Lit {
             return if matches!(self, Self::All) { own() } else { others() };
         };
         let rows = |lit: Self| match lit {
-            Self::None => [0; Window::SIDE],
-            Self::All => [u32::MAX; Window::SIDE],
+            Self::None => R::same(false),
+            Self::All => R::same(true),
             Self::Rows(rows) => rows,
         };
-        let (own, others) = (rows(own()), rows(others()));
-        Self::Rows(core::array::from_fn(|i| (own[i] & mask[i]) | (others[i] & !mask[i])))
+        Self::Rows(mask.select(rows(own()), rows(others())))
     }
 }
 
@@ -207,7 +329,11 @@ impl Lit {
 pub(crate) struct Window {
     /// Its first texel.
     first: [u32; 2],
-    /// Row by row, first column in bit 0.
+    /// Whether they are only counted.
+    is_counted: bool,
+    /// How many, if they are.
+    pub count: u32,
+    /// If they are not, row by row, first column in bit 0.
     pub rows: [u32; Self::SIDE],
 }
 
@@ -215,19 +341,28 @@ impl Window {
     /// Most texels per side.
     pub const SIDE: usize = 17;
 
-    pub fn new(first: [u32; 2]) -> Self {
-        Self { first, rows: [0; Self::SIDE] }
+    pub fn new(first: [u32; 2], is_counted: bool) -> Self {
+        Self { first, is_counted, count: 0, rows: [0; Self::SIDE] }
     }
 
     #[inline]
-    fn add(&mut self, [first, last]: [[u32; 2]; 2], lit: Lit) {
-        let run = (2 << (last[0] - first[0])) - 1;
+    fn add<R: Rows>(&mut self, [first, last]: [[u32; 2]; 2], lit: Lit<R>) {
+        let sides = [0, 1].map(|axis| last[axis] + 1 - first[axis]);
+        if self.is_counted {
+            self.count += match lit {
+                Lit::None => 0,
+                Lit::All => sides[0] * sides[1],
+                Lit::Rows(lit) => lit.count(sides),
+            };
+            return;
+        }
+        let run = (1 << sides[0]) - 1;
         let [column, row] = [0, 1].map(|axis| first[axis] - self.first[axis]);
-        let rows = &mut self.rows[row as usize..=(last[1] - self.first[1]) as usize];
+        let rows = self.rows.iter_mut().skip(row as usize).take(sides[1] as usize);
         match lit {
             Lit::None => {}
-            Lit::All => rows.iter_mut().for_each(|row| *row |= run << column),
-            Lit::Rows(lit) => rows.iter_mut().zip(&lit).for_each(|(row, lit)| *row |= (lit & run) << column),
+            Lit::All => rows.for_each(|row| *row |= run << column),
+            Lit::Rows(lit) => rows.enumerate().for_each(|(y, row)| *row |= (lit.row(y) & run) << column),
         }
     }
 }
