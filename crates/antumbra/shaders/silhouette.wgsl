@@ -302,9 +302,30 @@ fn antumbra_start(face: AntumbraFace, texel: vec2<u32>) -> AntumbraStart {
     if !ANTUMBRA_TOP_GRID {
         return AntumbraStart(face.root, log2_side);
     }
-    let level = log2_side - face.grid_log2;
-    let cell = texel >> vec2(level);
-    return AntumbraStart(antumbra_table(face.grid + (cell.y << face.grid_log2) + cell.x), level);
+    return AntumbraStart(antumbra_table(antumbra_grid_cell(face, texel)), log2_side - face.grid_log2);
+}
+
+// Where the cell of the top grid that holds one of the face's own texels begins: a tile, and its bounds.
+fn antumbra_grid_cell(face: AntumbraFace, texel: vec2<u32>) -> u32 {
+    let cell = texel >> vec2(face.log2_side + face.stride - face.grid_log2);
+    return face.grid + 2u * ((cell.y << face.grid_log2) + cell.x);
+}
+
+const ANTUMBRA_IN_DOUBT: u32 = 0u;
+const ANTUMBRA_ALL_LIT: u32 = 1u;
+const ANTUMBRA_ALL_SHADOWED: u32 = 2u;
+
+// What a cell of the top grid knows of one of the face's own slices.
+fn antumbra_settled(face: AntumbraFace, texel: vec2<u32>, z: u32) -> u32 {
+    if !ANTUMBRA_TOP_GRID {
+        return ANTUMBRA_IN_DOUBT;
+    }
+    let bounds = antumbra_table(antumbra_grid_cell(face, texel) + 1u);
+    let depth = z >> (max(face.log2_side + face.stride, 15u) - 15u);
+    if depth < (bounds & 0xffffu) {
+        return ANTUMBRA_ALL_LIT;
+    }
+    return select(ANTUMBRA_IN_DOUBT, ANTUMBRA_ALL_SHADOWED, depth >= (bounds >> 16u));
 }
 
 // The light's own texels, or slices, in the middle of a coarse level's.
@@ -315,8 +336,13 @@ fn antumbra_middle(c: vec2<u32>, stride: u32) -> vec2<u32> {
 // Whether a voxel of a face is lit; its indices are less than the face's side.
 fn antumbra_voxel_is_lit(face: AntumbraFace, voxel: vec3<u32>) -> bool {
     let texel = antumbra_middle(voxel.xy, face.stride);
+    let slice = antumbra_slice_of(face, voxel.z);
+    let settled = antumbra_settled(face, texel, slice.z);
+    if settled != ANTUMBRA_IN_DOUBT {
+        return settled == ANTUMBRA_ALL_LIT;
+    }
     let start = antumbra_start(face, texel);
-    return antumbra_tile_is_lit(start.node, start.level, texel, antumbra_slice_of(face, voxel.z));
+    return antumbra_tile_is_lit(start.node, start.level, texel, slice);
 }
 
 // A form's value at a place, so far from its texel's middle, less a whole number: small where its sign is in doubt.
@@ -536,7 +562,8 @@ fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
     let rectangle = vec4(antumbra_middle(first, face.stride), antumbra_middle(last, face.stride));
     let slice = antumbra_slice_of(face, w.z);
     var start = antumbra_start(face, rectangle.xy);
-    if ANTUMBRA_MASK_LEVEL + face.stride > start.level {
+    let is_in_cells = ANTUMBRA_MASK_LEVEL + face.stride <= start.level;
+    if !is_in_cells {
         // A coarse level's tiles may be wider than cells.
         start = AntumbraStart(face.root, face.log2_side + face.stride);
     }
@@ -545,6 +572,16 @@ fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
     let joint = max(32u - countLeadingZeros(different), ANTUMBRA_MASK_LEVEL) + face.stride;
     let is_shared = joint <= start.level;
     if is_shared {
+        var settled = ANTUMBRA_IN_DOUBT;
+        if is_in_cells {
+            settled = antumbra_settled(face, rectangle.xy, slice.z);
+        }
+        if settled == ANTUMBRA_ALL_LIT {
+            return antumbra_rectangle_weight(w, w.first, w.last);
+        }
+        if settled == ANTUMBRA_ALL_SHADOWED {
+            return 0u;
+        }
         start = antumbra_descend(start.node, start.level, joint, rectangle.xy);
         if antumbra_kind(start.node) != ANTUMBRA_INNER {
             let lit = antumbra_lit_over(start.node, rectangle, slice);
@@ -582,8 +619,14 @@ fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 
         start = AntumbraStart(face.root, face.log2_side);
     }
     let spread = antumbra_slices(face);
-    let tile = antumbra_descend(start.node, start.level, level, voxel.xy);
     let first = (voxel.z >> level) << level;
+    if level <= face.log2_side - face.grid_log2 {
+        let near = antumbra_settled(face, voxel.xy, first);
+        if near != ANTUMBRA_IN_DOUBT && near == antumbra_settled(face, voxel.xy, first + (1u << level) - 1u) {
+            return f32(near == ANTUMBRA_ALL_LIT);
+        }
+    }
+    let tile = antumbra_descend(start.node, start.level, level, voxel.xy);
     var log2_columns = min(level, ANTUMBRA_COLUMNS_LOG2);
     if antumbra_kind(tile.node) == ANTUMBRA_DEPTH {
         log2_columns = 0u;

@@ -12,7 +12,7 @@ use super::light::{Encoding, LightRecord, MIN_LOG2_RESOLUTION};
 use super::packed;
 use super::section::{Entry, REQUIRED, read_table};
 use super::silhouette;
-use super::slices;
+use super::slices::{self, Spread};
 use super::stat::BakeStats;
 use super::{ENTERS, LEVELS, MAX_LIGHTS};
 use crate::lookup::light::LightShadow;
@@ -43,7 +43,7 @@ pub struct ShadowFile {
 impl ShadowFile {
     /// Reads and validates a whole file: checksums, ranges, node kinds, no cycles. Linear in the file's size; copies
     /// the node pool once (or unpacks it) and makes a top grid for each face that is not homogeneous (128 KiB at N >= 256, 16 KiB for
-    /// each face of a cube, up to as much again for each coarse level; of silhouettes 256 KiB, 16 KiB, or a sixteenth of the pool). For lamps in
+    /// each face of a cube, up to as much again for each coarse level; of silhouettes 512 KiB, 32 KiB, or an eighth of the pool). For lamps in
     /// silhouettes it computes where slices begin: 4 N bytes, once for each ratio of far to near distance.
     ///
     /// # Errors
@@ -85,13 +85,13 @@ impl ShadowFile {
         let mut tables = slices::Tables::default();
         let is_flat = encoding == Encoding::Silhouette;
         let slices = records.iter().map(|record| if is_flat { tables.of(record) } else { Ok(Arc::from([])) });
-        let slices = slices.collect::<Result<_, _>>()?;
+        let slices = slices.collect::<Result<Vec<Arc<[u32]>>, _>>()?;
         let all_faces = records.iter().map(|record| record.face_roots().len()).sum();
         let mut grids = Grids { pool: &pool, is_flat, faces: all_faces, made: BTreeMap::new() };
         Ok(Self {
             counts,
             stats: stats.transpose()?,
-            top_grids: records.iter().map(|record| grids.of_light(record)).collect(),
+            top_grids: records.iter().zip(&slices).map(|(record, slices)| grids.of_light(record, slices)).collect(),
             projections: records.iter().map(Projection::new).collect(),
             slices,
             level_grids: records.iter().zip(&level_roots).map(|(r, levels)| grids.of_levels(r, levels)).collect(),
@@ -216,25 +216,28 @@ struct Grids<'a> {
     is_flat: bool,
     /// Of all lights: one at least.
     faces: usize,
-    made: BTreeMap<(u32, u32, u32), Arc<TopGrid>>,
+    /// By root, its size, cells, and where slices begin.
+    made: BTreeMap<(u32, u32, u32, usize), Arc<TopGrid>>,
 }
 
 impl Grids<'_> {
-    fn grid(&mut self, root: u32, log2: u32, most_log2: u32) -> Arc<TopGrid> {
+    fn grid(&mut self, root: u32, log2: u32, most_log2: u32, slices: &[u32]) -> Arc<TopGrid> {
         let new = || {
             Arc::new(if self.is_flat {
-                TopGrid::new_flat(self.pool, root, log2, top_grid::flat_log2(most_log2, self.pool.len() / self.faces))
+                let most_log2 = top_grid::flat_log2(most_log2, self.pool.len() / self.faces);
+                TopGrid::new_flat(self.pool, root, log2, most_log2, Spread::new(1 << log2, slices))
             } else {
                 TopGrid::new(self.pool, root, log2, most_log2)
             })
         };
-        Arc::clone(self.made.entry((root, log2, most_log2)).or_insert_with(new))
+        let table = if slices.is_empty() { 0 } else { slices.as_ptr() as usize };
+        Arc::clone(self.made.entry((root, log2, most_log2, table)).or_insert_with(new))
     }
 
-    fn of_light(&mut self, record: &LightRecord) -> Vec<Arc<TopGrid>> {
+    fn of_light(&mut self, record: &LightRecord, slices: &[u32]) -> Vec<Arc<TopGrid>> {
         let log2 = record.log2_resolution;
         let most = if record.faces == 1 { top_grid::MAX_LOG2_CELLS } else { CUBE_CELLS };
-        record.face_roots().iter().map(|root| self.grid(*root, log2, most)).collect()
+        record.face_roots().iter().map(|root| self.grid(*root, log2, most, slices)).collect()
     }
 
     fn of_levels(&mut self, record: &LightRecord, levels: &[Vec<u32>]) -> Vec<Vec<Arc<TopGrid>>> {
@@ -242,7 +245,7 @@ impl Grids<'_> {
         let most = if is_local { LOCAL_LEVEL_CELLS } else { top_grid::MAX_LOG2_CELLS };
         let of_level = |(i, roots): (usize, &Vec<u32>)| {
             let log2 = record.log2_resolution - 1 - i as u32;
-            roots.iter().map(|root| self.grid(*root, log2, most)).collect()
+            roots.iter().map(|root| self.grid(*root, log2, most, &[])).collect()
         };
         levels.iter().enumerate().map(of_level).collect()
     }

@@ -42,6 +42,14 @@ pub enum Spread<'a> {
     Steps(&'a [u32]),
 }
 
+impl<'a> Spread<'a> {
+    /// Even ones where it is not said where they begin.
+    #[inline(always)]
+    pub(crate) fn new(count: u32, begins: &'a [u32]) -> Self {
+        if begins.is_empty() { Self::Even(count) } else { Self::Steps(begins) }
+    }
+}
+
 impl Spread<'_> {
     /// How many there are.
     #[inline(always)]

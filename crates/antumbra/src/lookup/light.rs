@@ -116,12 +116,13 @@ impl<'a> LightShadow<'a> {
     /// [`LightShadow::visibility`] of many points: the same answers, two to three times as many per second, because
     /// several descents run side by side. Writes as many answers as both slices have room for.
     pub fn visibility_many(self, points_world: &[DVec3], visibility: &mut [f32]) {
-        if self.is_silhouette() {
-            let answers = visibility.iter_mut().zip(points_world);
-            return answers.for_each(|(answer, point)| *answer = self.visibility(*point));
-        }
         let places = points_world.iter().map(|p| self.projection().place(*p));
-        many::visibility(&self.file.pool, &self.file.top_grids[self.index], places, visibility);
+        let (pool, grids) = (&self.file.pool, &self.file.top_grids[self.index]);
+        if self.is_silhouette() {
+            many::visibility_of_silhouettes(pool, grids, self.spread(), places, visibility);
+        } else {
+            many::visibility(pool, grids, places, visibility);
+        }
     }
 
     /// Visibility at real-valued voxel coordinates of a face; cones do not count.
@@ -144,7 +145,9 @@ impl<'a> LightShadow<'a> {
         let grid = self.top_grid(face);
         if self.is_silhouette() {
             let [x, y, z] = voxel;
-            return Slice::new(&self.file.pool, z, 0, self.spread()).is_lit(grid.node(voxel), grid.level, [x, y]);
+            let (tile, settled) = grid.tile([x, y], z);
+            let slice = || Slice::new(&self.file.pool, z, 0, self.spread());
+            return settled.unwrap_or_else(|| slice().is_lit(tile, grid.level, [x, y]));
         }
         is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)
     }
@@ -222,10 +225,7 @@ impl<'a> LightShadow<'a> {
     /// How its slices follow one another, for planes.
     #[inline(always)]
     pub(crate) fn spread(self) -> Spread<'a> {
-        match &*self.file.slices[self.index] {
-            [] => Spread::Even(self.record().resolution()),
-            begins => Spread::Steps(begins),
-        }
+        Spread::new(self.record().resolution(), &self.file.slices[self.index])
     }
 
     /// The nodes of a face.

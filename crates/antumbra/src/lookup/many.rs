@@ -5,7 +5,10 @@ use alloc::sync::Arc;
 
 use super::project::Place;
 use super::top_grid::TopGrid;
+use super::window::Slice;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL, child_code, child_slot};
+use crate::format::silhouette::{Kind, kind, payload};
+use crate::format::slices::Spread;
 
 /// Points that descend together.
 const LANES: usize = 8;
@@ -89,5 +92,82 @@ impl Lanes {
                 (word >> (8 * (y & 3) + (x & 7))) & 1 != 0
             }
         }
+    }
+}
+
+/// Visibility at places of a light in silhouettes, whose faces have the given grids.
+pub(crate) fn visibility_of_silhouettes(
+    pool: &[u32],
+    grids: &[Arc<TopGrid>],
+    spread: Spread<'_>,
+    places: impl Iterator<Item = Place>,
+    visibility: &mut [f32],
+) {
+    let mut descents = Descents { pool, spread, lanes: [Lane::default(); LANES], count: 0 };
+    for (answer, place) in places.take(visibility.len()).enumerate() {
+        let settled = match place {
+            Place::Lit => Some(true),
+            Place::Unlit => Some(false),
+            Place::At { face, voxel: [x, y, z] } => {
+                let (tile, settled) = grids[face].tile([x, y], z);
+                if settled.is_none() {
+                    descents.lanes[descents.count] = Lane { tile, level: grids[face].level, voxel: [x, y, z], answer };
+                    descents.count += 1;
+                }
+                settled
+            }
+        };
+        if let Some(is_lit) = settled {
+            visibility[answer] = f32::from(is_lit);
+        }
+        if descents.count == LANES {
+            descents.finish(visibility);
+        }
+    }
+    descents.finish(visibility);
+}
+
+/// Descents to leaves that are under way.
+struct Descents<'a> {
+    pool: &'a [u32],
+    spread: Spread<'a>,
+    lanes: [Lane; LANES],
+    count: usize,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Lane {
+    tile: u32,
+    /// log2 of the tile's texels per side.
+    level: u32,
+    voxel: [u32; 3],
+    /// Which of the answers it is for.
+    answer: usize,
+}
+
+impl Descents<'_> {
+    fn finish(&mut self, visibility: &mut [f32]) {
+        let Self { pool, spread, .. } = *self;
+        let lanes = &mut self.lanes[..self.count];
+        let mut is_any_inner = true;
+        while is_any_inner {
+            is_any_inner = false;
+            for lane in lanes.iter_mut() {
+                // Leaves read the pool's first word in vain: cheaper than a branch that cannot be foreseen.
+                let is_inner = kind(lane.tile) == Kind::Inner;
+                let level = lane.level.wrapping_sub(u32::from(is_inner));
+                let [x, y] = [0, 1].map(|axis| (lane.voxel[axis] >> (level & 31)) & 1);
+                let child = pool[if is_inner { payload(lane.tile) + (x | (y << 1)) as usize } else { 0 }];
+                lane.tile = if is_inner { child } else { lane.tile };
+                lane.level = level;
+                is_any_inner |= is_inner;
+            }
+        }
+        for lane in lanes {
+            let [x, y, z] = lane.voxel;
+            let is_lit = Slice::new(pool, z, 0, spread).is_lit(lane.tile, 0, [x, y]);
+            visibility[lane.answer] = f32::from(is_lit);
+        }
+        self.count = 0;
     }
 }

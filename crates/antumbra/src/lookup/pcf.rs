@@ -158,11 +158,14 @@ impl<'a> Window<'a> {
                 let corner = [x, y].map(|c| c << cell);
                 let from = [0, 1].map(|axis| first[axis].max(corner[axis]));
                 let to = [0, 1].map(|axis| last[axis].min(corner[axis] + (1 << cell) - 1));
-                let tile = match slice.middle(corner) {
-                    _ if level == grid.root.1 => grid.root.0,
-                    [x, y] => grid.node([x, y, 0]),
+                let (tile, settled) = match slice.middle(corner) {
+                    _ if stride >= grid.level => (grid.root.0, None),
+                    texel => grid.tile(texel, slice.z()),
                 };
-                slice.add_lit(&mut window, tile, level, [from, to]);
+                match settled {
+                    Some(is_lit) => window.add_all([from, to], is_lit),
+                    None => slice.add_lit(&mut window, tile, level, [from, to]),
+                }
             }
         }
         if is_box { window.count } else { self.tent_weight_of_rows(&window.rows) }

@@ -107,7 +107,9 @@ impl<'a> LightShadow<'a> {
             (self.record().roots[face], self.record().log2_resolution)
         };
         if self.is_silhouette() {
-            return silhouette::mean(pool, (node, from), level, voxel, self.spread());
+            let settled = (level <= grid.level).then(|| grid.cube_is_lit(voxel, level)).flatten();
+            let mean = || silhouette::mean(pool, (node, from), level, voxel, self.spread());
+            return settled.map_or_else(mean, f32::from);
         }
         match descend(pool, node, from, level.max(SLICE_LEVEL), voxel) {
             LIT => 1.0,

@@ -136,7 +136,6 @@ pub(crate) fn bounds(pool: &[u32], leaf: u32, rectangle: [[u32; 2]; 2], spread: 
         [least < 0, greatest >= 0]
     };
     let part = |i: usize| bounds_of_value(pool, pool[at + i], rectangle, spread);
-    let joint = |p: [u32; 2], q: [u32; 2]| [p[0].min(q[0]), p[1].max(q[1])];
     match kind(leaf) {
         Kind::Cut => match touched(0) {
             [true, false] => part(1),
@@ -151,6 +150,31 @@ pub(crate) fn bounds(pool: &[u32], leaf: u32, rectangle: [[u32; 2]; 2], spread: 
         Kind::Masks => [0, spread.count()],
         _ => bounds_of_value(pool, leaf, rectangle, spread),
     }
+}
+
+/// The same over a square of 2^`level` texels per side at a corner, below a tile that holds it, or is as large.
+pub(crate) fn bounds_below(pool: &[u32], tile: u32, level: u32, corner: [u32; 2], spread: Spread<'_>) -> [u32; 2] {
+    match kind(tile) {
+        Kind::Inner => {
+            let side = 1 << (level - 1);
+            let child = |i: usize| {
+                let corner = [corner[0] + (i as u32 & 1) * side, corner[1] + (i as u32 >> 1) * side];
+                bounds_below(pool, pool[payload(tile) + i], level - 1, corner, spread)
+            };
+            [1, 2, 3].into_iter().map(child).fold(child(0), joint)
+        }
+        Kind::Masks => {
+            let never = spread.count();
+            let first = turns(pool, tile).next().map_or(never, |(depth, _)| depth);
+            let last = turns(pool, tile).last().map_or(never, |(depth, lit)| if lit == 0 { depth } else { never });
+            [first, last]
+        }
+        _ => bounds(pool, tile, [corner, corner.map(|c| c + (1 << level) - 1)], spread),
+    }
+}
+
+fn joint(p: [u32; 2], q: [u32; 2]) -> [u32; 2] {
+    [p[0].min(q[0]), p[1].max(q[1])]
 }
 
 fn bounds_of_value(pool: &[u32], value: u32, rectangle: [[u32; 2]; 2], spread: Spread<'_>) -> [u32; 2] {

@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use super::{point::descend, silhouette};
 use crate::format::dag8::{SHADOWED, SLICE_LEVEL};
 use crate::format::silhouette::{Kind, MASK_LEVEL, kind};
+use crate::format::slices::Spread;
 
 /// log2 of the cells per side, where the light is large enough.
 pub(crate) const MAX_LOG2_CELLS: u32 = 5;
@@ -19,14 +20,21 @@ pub(crate) fn flat_log2(log2_cells: u32, words_per_face: usize) -> u32 {
 
 /// References to the nodes at the level with min(32, N/8) nodes per side (or fewer, where many grids are made), x fastest,
 /// z slowest: 128 KiB at N >= 256. A homogeneous face has a single cell.
+///
+/// Of silhouettes cells are tiles, and each has a second word: the slice up to which all of it is lit, and in the upper half that from which on
+/// all is shadowed, both in units of 2^`bounds_shift` slices. They answer for most points, of surfaces or in the air, without a descent.
 #[derive(Clone, Debug)]
 pub(crate) struct TopGrid {
     cells: Vec<u32>,
     log2_cells: u32,
+    /// log2 of the words per cell.
+    log2_words: u32,
     /// Bits to shift a slice right by for its cell; so many that none is left where cells are tiles.
     z_shift: u32,
     /// log2 of the voxels per side of a cell's node.
     pub level: u32,
+    /// See above: of silhouettes.
+    bounds_shift: u32,
     /// What it stands for, and log2 of its voxels per side.
     pub root: (u32, u32),
 }
@@ -42,29 +50,67 @@ impl TopGrid {
             .map(|i| [i % side, i / side % side, i / (side * side)].map(|c| c << level))
             .map(|corner| descend(pool, root, log2_resolution, level, corner))
             .collect();
-        Self { cells, log2_cells, z_shift: level, level, root: (root, log2_resolution) }
+        let root = (root, log2_resolution);
+        Self { cells, log2_cells, log2_words: 0, z_shift: level, level, bounds_shift: 0, root }
     }
 
     /// The same of silhouettes: cells are tiles, whose level that of the grid is at least.
-    pub(crate) fn new_flat(pool: &[u32], root: u32, log2_resolution: u32, most_log2: u32) -> Self {
+    pub(crate) fn new_flat(pool: &[u32], root: u32, log2_resolution: u32, most_log2: u32, spread: Spread<'_>) -> Self {
         let most = if kind(root) == Kind::Inner { most_log2 } else { 0 };
         let log2_cells = most.min(log2_resolution - MASK_LEVEL);
         let level = log2_resolution - log2_cells;
         let side = 1u32 << log2_cells;
-        let corners = (0..side * side).map(|i| [i % side, i / side].map(|c| c << level));
-        let cells = corners.map(|corner| silhouette::descend(pool, root, log2_resolution, level, corner).0).collect();
-        Self { cells, log2_cells, z_shift: u32::BITS - 1, level, root: (root, log2_resolution) }
+        let bounds_shift = bounds_shift(log2_resolution);
+        let cell = |corner| {
+            let (tile, _) = silhouette::descend(pool, root, log2_resolution, level, corner);
+            let [least, greatest] = silhouette::bounds_below(pool, tile, level, corner, spread);
+            let greatest = (greatest + ((1 << bounds_shift) - 1)) >> bounds_shift;
+            [tile, (least >> bounds_shift) | (greatest << 16)]
+        };
+        let cells = (0..side * side).flat_map(|i| cell([i % side, i / side].map(|c| c << level))).collect();
+        let root = (root, log2_resolution);
+        Self { cells, log2_cells, log2_words: 1, z_shift: u32::BITS - 1, level, bounds_shift, root }
     }
 
-    /// The references.
+    /// The references, and of silhouettes the bounds.
     pub(crate) fn cells(&self) -> &[u32] {
         &self.cells
     }
 
     /// The node that holds a voxel of the light's volume.
     #[inline(always)]
-    pub(crate) fn node(&self, [x, y, z]: [u32; 3]) -> u32 {
-        let (level, bits) = (self.level, self.log2_cells);
-        self.cells[((((z >> self.z_shift) << bits) + (y >> level)) << bits) as usize + (x >> level) as usize]
+    pub(crate) fn node(&self, voxel: [u32; 3]) -> u32 {
+        self.cells[self.place(voxel)]
     }
+
+    /// Where the cell that holds a voxel begins.
+    #[inline(always)]
+    fn place(&self, [x, y, z]: [u32; 3]) -> usize {
+        let (level, bits) = (self.level, self.log2_cells);
+        let cell = ((((z >> self.z_shift) << bits) + (y >> level)) << bits) + (x >> level);
+        (cell << self.log2_words) as usize
+    }
+
+    /// Of silhouettes: the tile that holds a texel, and whether its slice z is all lit or all shadowed, where that is known.
+    #[inline(always)]
+    pub(crate) fn tile(&self, [x, y]: [u32; 2], z: u32) -> (u32, Option<bool>) {
+        let place = self.place([x, y, 0]);
+        let (tile, bounds) = (self.cells[place], self.cells[place + 1]);
+        let z = z >> self.bounds_shift;
+        let is_lit = z < bounds & 0xffff;
+        (tile, (is_lit || z >= bounds >> 16).then_some(is_lit))
+    }
+
+    /// Of silhouettes: whether the cube of 2^`level` voxels per side that holds a voxel is all lit or all shadowed, where that is known; it is no larger
+    /// than a cell.
+    pub(crate) fn cube_is_lit(&self, [x, y, z]: [u32; 3], level: u32) -> Option<bool> {
+        let first = z >> level << level;
+        let [near, far] = [first, first + ((1 << level) - 1)].map(|z| self.tile([x, y], z).1);
+        near.filter(|_| near == far)
+    }
+}
+
+/// Bits by which bounds are shifted, so that N fits into 16.
+pub(crate) fn bounds_shift(log2_resolution: u32) -> u32 {
+    log2_resolution.saturating_sub(15)
 }

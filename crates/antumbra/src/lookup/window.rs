@@ -25,6 +25,12 @@ impl<'a> Slice<'a> {
         Self { pool, z, stride, spread, least_behind: spread.least_behind(z) }
     }
 
+    /// The slice, as the face counts them.
+    #[inline(always)]
+    pub fn z(&self) -> u32 {
+        self.z
+    }
+
     /// The face's texel in the middle of a level's.
     #[inline(always)]
     pub fn middle(&self, texel: [u32; 2]) -> [u32; 2] {
@@ -55,7 +61,7 @@ impl<'a> Slice<'a> {
             if joint == self.stride {
                 // One of the level's texels.
                 let is_lit = self.is_lit(tile, level, self.middle(first));
-                window.add::<u64>(rectangle, if is_lit { Lit::All } else { Lit::None });
+                window.add_all(rectangle, is_lit);
             } else {
                 self.add_lit_of_children(window, tile, level - 1, rectangle);
             }
@@ -343,6 +349,12 @@ impl Window {
 
     pub fn new(first: [u32; 2], is_counted: bool) -> Self {
         Self { first, is_counted, count: 0, rows: [0; Self::SIDE] }
+    }
+
+    /// Adds all of a rectangle's texels, or none.
+    #[inline]
+    pub fn add_all(&mut self, rectangle: [[u32; 2]; 2], is_lit: bool) {
+        self.add::<u64>(rectangle, if is_lit { Lit::All } else { Lit::None });
     }
 
     #[inline]
