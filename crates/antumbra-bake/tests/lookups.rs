@@ -3,10 +3,11 @@
 
 mod common;
 
-use antumbra::{FacePoint, Filter, Interior, Kernel, LightShadow};
+use antumbra::{Encoding, FacePoint, Filter, Interior, Kernel, LightShadow};
+use antumbra_bake::BakeOptions;
 use antumbra_bake::oracle::Oracle;
 use antumbra_scene::{Scene, procedural};
-use common::{bake_for_check, cuboid, options, scene, sun};
+use common::{bake_for_check, cuboid, lamp, options, scene, sun};
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -19,6 +20,15 @@ static CITY: LazyLock<Scene> = LazyLock::new(city);
 
 static BAKED: LazyLock<common::Checked<'static>> =
     LazyLock::new(|| bake_for_check(&CITY, &sun([0.5, -0.6, 0.3]), &options(Interior::Auto, 1024, 0)));
+
+/// A sun and a lamp in either encoding.
+static LIGHTS: LazyLock<[common::Checked<'static>; 4]> = LazyLock::new(|| {
+    let lights = [sun([0.5, -0.6, 0.3]), lamp([3.0, 40.0, 5.0], 150.0)];
+    [0, 1, 2, 3].map(|i| {
+        let encoding = Some(if i < 2 { Encoding::Silhouette } else { Encoding::Dag8 });
+        bake_for_check(&CITY, &lights[i % 2], &BakeOptions { encoding, ..options(Interior::Auto, 256, 0) })
+    })
+});
 
 /// A point on a directional light's only face.
 fn at(voxel: DVec3) -> FacePoint {
@@ -61,10 +71,20 @@ proptest! {
 proptest! {
     #[test]
     fn many_lookups_equal_single_ones(
-        points in prop::collection::vec(prop::array::uniform3(-400.0f64..400.0), 0..40), room in 0usize..40,
+        which in 0usize..4,
+        anywhere in prop::collection::vec(prop::array::uniform3(-400.0f64..400.0), 0..20),
+        turns in prop::collection::vec((0usize..6, 0u32..256, 0u32..256, -3.0f64..3.0), 0..40),
+        room in 0usize..60,
     ) {
-        let light = BAKED.file.light("sun").unwrap();
-        let points: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
+        let light = LIGHTS[which].light();
+        // Where texels turn from lit to shadowed, or nearly.
+        let turn = |(face, x, y, off): (usize, u32, u32, f64)| {
+            let face = face % light.faces();
+            let turn = (0..256).position(|z| !light.is_lit(face, [x, y, z])).unwrap_or(255);
+            light.unproject(FacePoint { face, voxel: DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, turn as f64 + off) })
+        };
+        let anywhere = anywhere.into_iter().map(DVec3::from_array);
+        let points: Vec<DVec3> = anywhere.chain(turns.into_iter().filter_map(turn)).collect();
         let mut many = vec![-1.0; room];
         light.visibility_many(&points, &mut many);
         for (i, answer) in many.iter().enumerate() {

@@ -31,6 +31,9 @@ struct AntumbraWalk {
     log2_side: u32,
     // Where the beginnings of the slices are: see AntumbraFace.
     slices: u32,
+    // The top grid: see AntumbraFace.
+    grid: u32,
+    grid_log2: u32,
     // The voxel that `nodes` lead to.
     described: vec3<u32>,
     // Parameters: here, and where the walk ends.
@@ -120,6 +123,8 @@ fn antumbra_walk(light: AntumbraLight, line: AntumbraLine, part: vec2<f32>) -> A
     walk.log2_side = light.log2_resolution;
     let face = antumbra_face(light, 0u, line.face);
     walk.slices = face.slices;
+    walk.grid = face.grid;
+    walk.grid_log2 = face.grid_log2;
     walk.nodes[light.log2_resolution] = face.root;
     return walk;
 }

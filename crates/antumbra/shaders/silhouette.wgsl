@@ -321,11 +321,21 @@ fn antumbra_settled(face: AntumbraFace, texel: vec2<u32>, z: u32) -> u32 {
         return ANTUMBRA_IN_DOUBT;
     }
     let bounds = antumbra_table(antumbra_grid_cell(face, texel) + 1u);
-    let depth = z >> (max(face.log2_side + face.stride, 15u) - 15u);
+    return antumbra_settled_by(bounds, z, face.log2_side + face.stride);
+}
+
+// The same by bounds, of a face of 2^log2_side texels per side.
+fn antumbra_settled_by(bounds: u32, z: u32, log2_side: u32) -> u32 {
+    let depth = z >> antumbra_bounds_shift(log2_side);
     if depth < (bounds & 0xffffu) {
         return ANTUMBRA_ALL_LIT;
     }
     return select(ANTUMBRA_IN_DOUBT, ANTUMBRA_ALL_SHADOWED, depth >= (bounds >> 16u));
+}
+
+// Bits by which bounds are shifted, so that all slices fit into 16.
+fn antumbra_bounds_shift(log2_side: u32) -> u32 {
+    return max(log2_side, 15u) - 15u;
 }
 
 // The light's own texels, or slices, in the middle of a coarse level's.
@@ -647,8 +657,45 @@ fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 
     return f32(lit >> dropped) * bitcast<f32>((127u + dropped - bits) << 23u);
 }
 
-// A column about a voxel of the volume that no depth ends, before them or behind them: as wide as the quadtree allows.
+// The box about a voxel of the volume in which all are alike: cells of the top grid before or behind all that they hold, or a column.
 fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> AntumbraCell {
+    let log2_side = (*walk).log2_side;
+    let log2_cells = (*walk).grid_log2;
+    let shift = antumbra_bounds_shift(log2_side);
+    var is_found = false;
+    var cell: AntumbraCell;
+    // Squares of 2^wider cells per side: behind the cells lie the bounds of those that are wider, one size after the other.
+    var begin = (*walk).grid + (2u << (2u * log2_cells));
+    for (var wider = 0u; ANTUMBRA_TOP_GRID && wider <= log2_cells; wider++) {
+        let level = log2_side - log2_cells + wider;
+        let log2 = log2_cells - wider;
+        let square = voxel.xy >> vec2(level);
+        var at = begin + (square.y << log2) + square.x;
+        if wider == 0u {
+            at = (*walk).grid + 2u * ((square.y << log2) + square.x) + 1u;
+        } else {
+            begin += 1u << (2u * log2);
+        }
+        let bounds = antumbra_table(at);
+        let settled = antumbra_settled_by(bounds, voxel.z, log2_side);
+        if settled == ANTUMBRA_IN_DOUBT {
+            break;
+        }
+        is_found = true;
+        let corner = square << vec2(level);
+        let is_lit = settled == ANTUMBRA_ALL_LIT;
+        let from = select((bounds >> 16u) << shift, 0u, is_lit);
+        let to = select(1u << log2_side, (bounds & 0xffffu) << shift, is_lit);
+        cell = AntumbraCell(vec3(corner, from), vec3(corner + (1u << level), to), is_lit);
+    }
+    if is_found {
+        return cell;
+    }
+    return antumbra_column(walk, voxel);
+}
+
+// A column about a voxel of the volume that no depth ends, before them or behind them: as wide as the quadtree allows.
+fn antumbra_column(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> AntumbraCell {
     let different = voxel ^ (*walk).described;
     let shared_level = 32u - countLeadingZeros(different.x | different.y);
     (*walk).described = voxel;

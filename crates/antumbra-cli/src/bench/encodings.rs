@@ -52,8 +52,10 @@ const COLUMNS: &[Column<'_>] = &[
     ("differing_share", "answers that differ", Shown::Percent),
 ];
 
-/// Passes over all points.
+/// Passes over all points, and bakes, of which the fastest counts.
 const PASSES: usize = 5;
+/// Bakes that take longer are not done again, seconds; shorter ones while they do not together.
+const LONG_ENOUGH_S: f64 = 5.0;
 
 const ENCODINGS: [Encoding; 2] = [Encoding::Dag8, Encoding::Silhouette];
 
@@ -61,7 +63,7 @@ const ENCODINGS: [Encoding; 2] = [Encoding::Dag8, Encoding::Silhouette];
 pub fn run(subjects: &[Subject], study: &Study, progress: &Progress) -> Result<Report> {
     let about = format!(
         "Policy {}. Growth: bytes of the file at N over those at N / 2. In memory: the node pool, as it is looked up. Built in: the whole bake, \
-on all threads. Lookups of one thread at {} random points of surfaces, as they come and in the order of \
+on all threads, the fastest of up to five. Lookups of one thread at {} random points of surfaces, as they come and in the order of \
 their texels; what differs lies inside solids or on edges, where a policy leaves the choice.",
         study.interior.name(),
         study.points
@@ -147,9 +149,16 @@ impl Measured {
             resolution: ResolutionRequest::Texels(resolution),
             ..BakeOptions::default()
         };
-        let start = Instant::now();
-        let baked = bake(&subject.scene, std::slice::from_ref(&subject.sun), &options, &Silent)?;
-        let build_seconds = start.elapsed().as_secs_f64();
+        let timed = || {
+            let start = Instant::now();
+            let baked = bake(&subject.scene, std::slice::from_ref(&subject.sun), &options, &Silent)?;
+            anyhow::Ok((baked, start.elapsed().as_secs_f64()))
+        };
+        let (baked, mut build_seconds) = timed()?;
+        let more = (LONG_ENOUGH_S / build_seconds) as usize;
+        for _ in 0..more.min(PASSES - 1) {
+            build_seconds = build_seconds.min(timed()?.1);
+        }
         let file = ShadowFile::from_bytes(&baked.bytes)?;
         let light = file.lights().next().context("the bake has no light")?;
         let mut coherent = points.to_vec();

@@ -137,7 +137,7 @@ impl Segment<'_> {
             pool: &self.light.file.pool,
             root: record.roots[line.face],
             log2: record.log2_resolution,
-            spread: self.light.is_silhouette().then(|| self.light.spread()),
+            silhouettes: self.light.is_silhouette().then(|| (self.light.spread(), self.light.top_grid(line.face))),
         };
         self.walk = Some(Walk::new(graph, line, inside));
         Some(Span { to: inside[0], lit: true })

@@ -22,7 +22,8 @@ pub(crate) fn flat_log2(log2_cells: u32, words_per_face: usize) -> u32 {
 /// z slowest: 128 KiB at N >= 256. A homogeneous face has a single cell.
 ///
 /// Of silhouettes cells are tiles, and each has a second word: the slice up to which all of it is lit, and in the upper half that from which on
-/// all is shadowed, both in units of 2^`bounds_shift` slices. They answer for most points, of surfaces or in the air, without a descent.
+/// all is shadowed, both in units of 2^`bounds_shift` slices. They answer for most points, of surfaces or in the air, without a descent. Bounds of four
+/// cells, of sixteen and so on up to the whole face follow, a word each: walks through the air need few steps.
 #[derive(Clone, Debug)]
 pub(crate) struct TopGrid {
     cells: Vec<u32>,
@@ -69,7 +70,21 @@ impl TopGrid {
         };
         let cells = (0..side * side).flat_map(|i| cell([i % side, i / side].map(|c| c << level))).collect();
         let root = (root, log2_resolution);
-        Self { cells, log2_cells, log2_words: 1, z_shift: u32::BITS - 1, level, bounds_shift, root }
+        let mut grid = Self { cells, log2_cells, log2_words: 1, z_shift: u32::BITS - 1, level, bounds_shift, root };
+        for wider in 1..=log2_cells {
+            let side = side >> wider;
+            for i in 0..side * side {
+                let corner = [i % side, i / side].map(|c| c << (level + wider));
+                let half = 1 << (level + wider - 1);
+                let part = |i: u32| grid.bounds(wider - 1, [corner[0] + (i & 1) * half, corner[1] + (i >> 1) * half]);
+                let all = [1, 2, 3]
+                    .map(part)
+                    .into_iter()
+                    .fold(part(0), |a, b| (a & 0xffff).min(b & 0xffff) | ((a >> 16).max(b >> 16) << 16));
+                grid.cells.push(all);
+            }
+        }
+        grid
     }
 
     /// The references, and of silhouettes the bounds.
@@ -95,10 +110,41 @@ impl TopGrid {
     #[inline(always)]
     pub(crate) fn tile(&self, [x, y]: [u32; 2], z: u32) -> (u32, Option<bool>) {
         let place = self.place([x, y, 0]);
-        let (tile, bounds) = (self.cells[place], self.cells[place + 1]);
+        (self.cells[place], self.settled(self.cells[place + 1], z))
+    }
+
+    /// Whether slice z is all lit or all shadowed, if bounds say so.
+    #[inline(always)]
+    fn settled(&self, bounds: u32, z: u32) -> Option<bool> {
         let z = z >> self.bounds_shift;
         let is_lit = z < bounds & 0xffff;
-        (tile, (is_lit || z >= bounds >> 16).then_some(is_lit))
+        (is_lit || z >= bounds >> 16).then_some(is_lit)
+    }
+
+    /// Of silhouettes: bounds of the square of 2^`wider` cells per side that holds a texel.
+    #[inline]
+    fn bounds(&self, wider: u32, [x, y]: [u32; 2]) -> u32 {
+        if wider == 0 {
+            return self.cells[self.place([x, y, 0]) + 1];
+        }
+        let log2 = self.log2_cells - wider;
+        // Cells come first, then all squares that are smaller.
+        let begin = (2 << (2 * self.log2_cells)) + ((1 << (2 * self.log2_cells)) - (4 << (2 * log2))) / 3;
+        let level = self.level + wider;
+        self.cells[begin + ((y >> level << log2) + (x >> level)) as usize]
+    }
+
+    /// Of silhouettes: the widest square of cells about a texel which is known to be all lit or all shadowed in slice z: log2 of its texels per side, which of
+    /// both, and where the slices begin and end in which it is.
+    pub(crate) fn widest(&self, texel: [u32; 2], z: u32) -> Option<(u32, bool, [u32; 2])> {
+        let mut found = None;
+        for wider in 0..=self.log2_cells {
+            let bounds = self.bounds(wider, texel);
+            let Some(is_lit) = self.settled(bounds, z) else { break };
+            let [least, greatest] = [bounds & 0xffff, bounds >> 16].map(|bound| bound << self.bounds_shift);
+            found = Some((self.level + wider, is_lit, if is_lit { [0, least] } else { [greatest, 1 << self.root.1] }));
+        }
+        found
     }
 
     /// Of silhouettes: whether the cube of 2^`level` voxels per side that holds a voxel is all lit or all shadowed, where that is known; it is no larger

@@ -14,6 +14,7 @@
 use super::point::{child, slice_mask};
 use super::project::line::FaceLine;
 use super::silhouette;
+use super::top_grid::TopGrid;
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
 use crate::format::light::MAX_LOG2_RESOLUTION;
 use crate::format::silhouette::{Kind, kind};
@@ -43,8 +44,8 @@ pub(crate) struct Graph<'a> {
     pub root: u32,
     /// log2 of the root's voxels per side.
     pub log2: u32,
-    /// Of silhouettes.
-    pub spread: Option<Spread<'a>>,
+    /// Of silhouettes: their slices and the top grid.
+    pub silhouettes: Option<(Spread<'a>, &'a TopGrid)>,
 }
 
 /// What is left of a walk.
@@ -161,8 +162,8 @@ impl<'a> Descent<'a> {
 
     /// The largest homogeneous box that the graph has about a voxel of the volume.
     fn cell(&mut self, voxel: [u32; 3]) -> Cell {
-        if let Some(spread) = self.graph.spread {
-            return self.cell_of_column(voxel, spread);
+        if let Some((spread, grid)) = self.graph.silhouettes {
+            return self.cell_of_cells(voxel, grid).unwrap_or_else(|| self.cell_of_column(voxel, spread));
         }
         let [dx, dy, dz] = [0, 1, 2].map(|axis| voxel[axis] ^ self.voxel[axis]);
         let shared = u32::BITS - (dx | dy | dz).leading_zeros();
@@ -177,6 +178,14 @@ impl<'a> Descent<'a> {
         }
         self.level = level;
         if node <= SHADOWED { cube(voxel, level, node == LIT) } else { self.cell_in_slices(node, voxel) }
+    }
+
+    /// Cells of the top grid about a voxel before or behind all that they hold.
+    fn cell_of_cells(&self, voxel: [u32; 3], grid: &TopGrid) -> Option<Cell> {
+        let (level, lit, [first, end]) = grid.widest([voxel[0], voxel[1]], voxel[2])?;
+        let mut cell = cube(voxel, level, lit);
+        (cell.first[2], cell.end[2]) = (first, end);
+        Some(cell)
     }
 
     /// The column about a voxel before or behind the depths of silhouettes.
