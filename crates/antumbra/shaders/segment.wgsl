@@ -112,20 +112,25 @@ fn antumbra_clipped(light: AntumbraLight, line: AntumbraLine, leg: vec2<f32>) ->
     return part;
 }
 
-fn antumbra_walk(light: AntumbraLight, line: AntumbraLine, part: vec2<f32>) -> AntumbraWalk {
+// A walk on a face that has not begun.
+fn antumbra_walk_on(face: AntumbraFace) -> AntumbraWalk {
     var walk: AntumbraWalk;
+    walk.level = face.log2_side;
+    walk.log2_side = face.log2_side;
+    walk.slices = face.slices;
+    walk.grid = face.grid;
+    walk.grid_log2 = face.grid_log2;
+    walk.nodes[face.log2_side] = face.root;
+    return walk;
+}
+
+fn antumbra_walk(light: AntumbraLight, line: AntumbraLine, part: vec2<f32>) -> AntumbraWalk {
+    var walk = antumbra_walk_on(antumbra_face(light, 0u, line.face));
     walk.line = line;
     walk.at = part.x;
     walk.end = part.y;
     walk.voxel = antumbra_voxel_at(light, line, part.x);
     walk.last = antumbra_voxel_at(light, line, part.y);
-    walk.level = light.log2_resolution;
-    walk.log2_side = light.log2_resolution;
-    let face = antumbra_face(light, 0u, line.face);
-    walk.slices = face.slices;
-    walk.grid = face.grid;
-    walk.grid_log2 = face.grid_log2;
-    walk.nodes[light.log2_resolution] = face.root;
     return walk;
 }
 

@@ -684,9 +684,9 @@ fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> Antumbr
         is_found = true;
         let corner = square << vec2(level);
         let is_lit = settled == ANTUMBRA_ALL_LIT;
-        let from = select((bounds >> 16u) << shift, 0u, is_lit);
-        let to = select(1u << log2_side, (bounds & 0xffffu) << shift, is_lit);
-        cell = AntumbraCell(vec3(corner, from), vec3(corner + (1u << level), to), is_lit);
+        let first_slice = select((bounds >> 16u) << shift, 0u, is_lit);
+        let end_slice = select(1u << log2_side, (bounds & 0xffffu) << shift, is_lit);
+        cell = AntumbraCell(vec3(corner, first_slice), vec3(corner + (1u << level), end_slice), is_lit);
     }
     if is_found {
         return cell;

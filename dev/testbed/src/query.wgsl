@@ -48,11 +48,7 @@ fn answer(q: Query) -> array<u32, 8> {
             return array<u32, 8>(found.x, found.y, 0u, 0u, 0u, 0u, 0u, 0u);
         }
         case 4u: {
-            var walk: AntumbraWalk;
-            walk.level = light.log2_resolution;
-            walk.log2_side = light.log2_resolution;
-            walk.slices = face.slices;
-            walk.nodes[walk.level] = face.root;
+            var walk = antumbra_walk_on(face);
             // A second descent begins where the first ended.
             let elsewhere = antumbra_cell(&walk, vec3<u32>(q.voxel) ^ vec3(5u, 9u, 12u));
             let cell = antumbra_cell(&walk, vec3<u32>(q.voxel));
