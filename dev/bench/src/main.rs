@@ -31,6 +31,9 @@ struct Args {
     /// Texels per side of the bake.
     #[arg(long, default_value_t = 16384)]
     resolution: u32,
+    /// Encoding of the bake: dag8 or silhouette.
+    #[arg(long, default_value = "dag8", value_parser = encoding)]
+    encoding: Encoding,
     /// Points per set.
     #[arg(long, default_value_t = 1_000_000)]
     points: usize,
@@ -45,6 +48,11 @@ struct Args {
     step_ms: Option<f64>,
 }
 
+fn encoding(name: &str) -> Result<Encoding, String> {
+    let known = [Encoding::Dag8, Encoding::Silhouette];
+    known.into_iter().find(|encoding| encoding.name() == name).ok_or_else(|| "dag8 or silhouette".to_owned())
+}
+
 fn main() -> Result<()> {
     let args = Args::parse();
     if args.prefilter {
@@ -57,7 +65,7 @@ fn main() -> Result<()> {
     }
     if let Some(budget_ms) = args.step_ms {
         println!("{}", stepped::HEADER);
-        return args.scenes.iter().try_for_each(|name| stepped::measure(name, args.resolution, budget_ms));
+        return args.scenes.iter().try_for_each(|name| stepped::measure(name, &args, budget_ms));
     }
     if args.segments.is_some() {
         segments::print_head(args.resolution);
@@ -82,8 +90,7 @@ fn measure_scene(name: &str, args: &Args) -> Result<()> {
     let scene = load(name)?;
     let light = scene.lights.iter().find(|l| l.kind == LightKind::Directional).context("the scene has no sun")?;
     let resolution = Resolution::new(args.resolution).context("--resolution: a power of two from 64 to 1048576")?;
-    // The graph, whose descents run side by side; `antumbra bench encodings` has both.
-    let encoding = Some(Encoding::Dag8);
+    let encoding = Some(args.encoding);
     let options = BakeOptions { resolution: ResolutionRequest::Texels(resolution), encoding, ..BakeOptions::default() };
     let baked = bake(&scene, std::slice::from_ref(light), &options, &Silent)?;
     let file = ShadowFile::from_bytes(&baked.bytes)?;

@@ -20,7 +20,8 @@ pub fn measure(name: &str, args: &Args) -> Result<()> {
     let light = scene.lights.iter().find(|l| l.kind == LightKind::Directional).context("the scene has no sun")?;
     let resolution = Resolution::new(args.resolution).context("--resolution: a power of two from 64 to 1048576")?;
     let resolution = ResolutionRequest::Texels(resolution);
-    let options = BakeOptions { resolution, levels: true, encoding: Some(Encoding::Dag8), ..BakeOptions::default() };
+    let (encoding, levels) = (Some(args.encoding), args.encoding == Encoding::Dag8);
+    let options = BakeOptions { resolution, levels, encoding, ..BakeOptions::default() };
     let baked = bake(&scene, std::slice::from_ref(light), &options, &Silent)?;
     let bytes: u64 = baked.lights.iter().map(|light| light.bytes).sum();
     let file = ShadowFile::from_bytes(&baked.bytes)?;

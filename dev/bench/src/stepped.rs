@@ -4,21 +4,23 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use antumbra_bake::light_space::Resolution;
-use antumbra_bake::{BakeOptions, Encoding, ResolutionRequest, Silent, Step, SteppedBaker, bake};
+use antumbra_bake::{BakeOptions, ResolutionRequest, Silent, Step, SteppedBaker, bake};
 use antumbra_scene::LightKind;
 use anyhow::{Context, Result, ensure};
+
+use crate::{Args, load};
 
 /// Heading of the table.
 pub const HEADER: &str = "| scene | N | budget | steps | median | 99th percentile | 99.9th | longest | steps over 4 ms | in steps | at once, 1 thread |\n\
                           |---|---|---|---|---|---|---|---|---|---|---|";
 
 /// Rebuilds a scene's sun in steps and prints a row.
-pub fn measure(name: &str, resolution: u32, budget_ms: f64) -> Result<()> {
-    let scene = Arc::new(super::load(name)?);
+pub fn measure(name: &str, args: &Args, budget_ms: f64) -> Result<()> {
+    let scene = Arc::new(load(name)?);
     let sun = scene.lights.iter().find(|l| l.kind == LightKind::Directional).context("the scene has no sun")?.clone();
-    let resolution = Resolution::new(resolution).context("--resolution: a power of two from 64 to 1048576")?;
+    let resolution = Resolution::new(args.resolution).context("--resolution: a power of two from 64 to 1048576")?;
     let options = BakeOptions {
-        encoding: Some(Encoding::Dag8),
+        encoding: Some(args.encoding),
         resolution: ResolutionRequest::Texels(resolution),
         threads: 1,
         ..BakeOptions::default()
