@@ -148,6 +148,9 @@ impl<'a> Window<'a> {
     fn silhouette_weight(&self, grid: &TopGrid, (stride, spread): (u32, Spread<'_>)) -> u32 {
         let slice = Slice::new(self.pool, self.z, stride, spread);
         let [first, last] = [self.first, self.last].map(|texel| texel.map(|c| c as u32));
+        if let Some(is_lit) = grid.is_lit_between(slice.middle(first), slice.middle(last), slice.z()) {
+            return if is_lit { self.rectangle_weight(self.first, self.last) } else { 0 };
+        }
         let is_box = self.filter.kernel() != Kernel::Tent;
         let mut window = window::Window::new(first, is_box);
         // Cells of the top grid, or all of a coarse level whose texels are wider than they.

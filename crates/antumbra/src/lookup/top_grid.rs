@@ -134,6 +134,14 @@ impl TopGrid {
         self.cells[begin + ((y >> level << log2) + (x >> level)) as usize]
     }
 
+    /// Of silhouettes: whether slice z is all lit or all shadowed from one texel to another, if the least square that holds both says so.
+    #[inline]
+    pub(crate) fn is_lit_between(&self, first: [u32; 2], last: [u32; 2], z: u32) -> Option<bool> {
+        let joint = u32::BITS - ((first[0] ^ last[0]) | (first[1] ^ last[1])).leading_zeros();
+        let wider = joint.saturating_sub(self.level);
+        self.settled(self.bounds(wider, first), z)
+    }
+
     /// Of silhouettes: the widest square of cells about a texel which is known to be all lit or all shadowed in slice z: log2 of its texels per side, which of
     /// both, and where the slices begin and end in which it is.
     pub(crate) fn widest(&self, texel: [u32; 2], z: u32) -> Option<(u32, bool, [u32; 2])> {
