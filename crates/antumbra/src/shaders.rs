@@ -183,7 +183,7 @@ struct At {
 
 impl Tables {
     /// The tables of all lights of a file: 16 bytes for each face and coarse level, its top grid (128 KiB for a sun, 16 KiB for a lamp's face; of
-    /// silhouettes 512 and 32 KiB, or an eighth of the pool; each once), where the slices of lamps in silhouettes begin (4 N bytes, once for each ratio of far to near distance), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
+    /// silhouettes 600 and 10 KiB, or a seventh of the pool; each once), where the slices of lamps in silhouettes begin (4 N bytes, once for each ratio of far to near distance), and the enter depths of those lights that want them for blockers and penumbrae (up to 1.4
     /// MB for each face).
     #[must_use]
     pub fn new(file: &ShadowFile, wants_enters: impl Fn(LightShadow<'_>) -> bool) -> Self {

@@ -43,7 +43,7 @@ pub struct ShadowFile {
 impl ShadowFile {
     /// Reads and validates a whole file: checksums, ranges, node kinds, no cycles. Linear in the file's size; copies
     /// the node pool once (or unpacks it) and makes a top grid for each face that is not homogeneous (128 KiB at N >= 256, 16 KiB for
-    /// each face of a cube, up to as much again for each coarse level; of silhouettes 512 KiB, 32 KiB, or an eighth of the pool). For lamps in
+    /// each face of a cube, up to as much again for each coarse level; of silhouettes 600 KiB, 10 KiB, or a seventh of the pool). For lamps in
     /// silhouettes it computes where slices begin: 4 N bytes, once for each ratio of far to near distance.
     ///
     /// # Errors

@@ -11,10 +11,10 @@ use crate::format::slices::Spread;
 /// log2 of the cells per side, where the light is large enough.
 pub(crate) const MAX_LOG2_CELLS: u32 = 5;
 
-/// log2 of the cells per side of a grid of tiles that takes about as much as one of cubes, 256 per side for a light of one face; or more,
-/// while it stays below a sixteenth of a face's share of the pool, where every level costs a miss of the cache.
+/// log2 of the cells per side of a grid of tiles: 256 for a light of one face, 32 for those of a cube, where there may be hundreds; or more, while there are fewer
+/// than a sixteenth of the words in a face's share of the pool, where every level costs a miss of the cache.
 pub(crate) fn flat_log2(log2_cells: u32, words_per_face: usize) -> u32 {
-    let least = if log2_cells == MAX_LOG2_CELLS { 8 } else { log2_cells * 3 / 2 };
+    let least = if log2_cells == MAX_LOG2_CELLS { 8 } else { log2_cells + 1 };
     (words_per_face / 16).checked_ilog2().map_or(least, |log2| least.max(log2 / 2))
 }
 
