@@ -14,12 +14,18 @@ fn village() -> Arc<Scene> {
     Arc::new(procedural::build("village", &Options::default()).unwrap())
 }
 
+const ENCODINGS: [Encoding; 2] = [Encoding::Dag8, Encoding::Silhouette];
+
 fn options(resolution: u32) -> BakeOptions {
+    options_in(Encoding::Dag8, resolution)
+}
+
+fn options_in(encoding: Encoding, resolution: u32) -> BakeOptions {
     BakeOptions {
         resolution: ResolutionRequest::Texels(Resolution::new(resolution).unwrap()),
-        levels: true,
+        levels: encoding == Encoding::Dag8,
         enter_depths: true,
-        encoding: Some(Encoding::Dag8),
+        encoding: Some(encoding),
         ..BakeOptions::default()
     }
 }
@@ -39,8 +45,11 @@ fn finish(baker: &mut SteppedBaker, budget: Duration) -> (Vec<u8>, usize) {
 #[test]
 fn steps_give_the_bytes_of_one_bake() {
     let scene = village();
-    for interior in [Interior::Auto, Interior::Open, Interior::Static(0.05)] {
-        let options = BakeOptions { interior, ..options(1024) };
+    let interiors = [Interior::Auto, Interior::Open, Interior::Static(0.05)];
+    for (encoding, interior) in
+        ENCODINGS.into_iter().flat_map(|encoding| interiors.map(|interior| (encoding, interior)))
+    {
+        let options = BakeOptions { interior, ..options_in(encoding, 1024) };
         let mut lights = scene.lights.clone();
         lights.truncate(6);
         let whole = bake(&scene, &lights, &options, &Silent).unwrap().bytes;
@@ -49,19 +58,23 @@ fn steps_give_the_bytes_of_one_bake() {
         // Rests at every place where it may.
         baker.start(lights.clone());
         let (bytes, steps) = finish(&mut baker, Duration::ZERO);
-        assert!(bytes == whole && steps > 100, "{interior:?}: {steps} steps");
+        assert!(bytes == whole && steps > 100, "{encoding:?}, {interior:?}: {steps} steps");
         // In one step, on the same thread, once more.
         baker.start(lights);
         let (bytes, steps) = finish(&mut baker, Duration::from_secs(3600));
-        assert!(bytes == whole && steps == 1, "{interior:?}: {steps} steps");
+        assert!(bytes == whole && steps == 1, "{encoding:?}, {interior:?}: {steps} steps");
         assert!(matches!(baker.step(Duration::from_millis(1)), Step::Idle));
     }
 }
 
 #[test]
 fn cancelled_bakes_leave_nothing_behind() {
+    ENCODINGS.into_iter().for_each(cancelled_bakes_leave_nothing_behind_in);
+}
+
+fn cancelled_bakes_leave_nothing_behind_in(encoding: Encoding) {
     let scene = village();
-    let options = options(1024);
+    let options = options_in(encoding, 1024);
     let suns: Vec<Light> = scene.lights.iter().take(2).cloned().collect();
     let wholes: Vec<Vec<u8>> =
         suns.iter().map(|sun| bake(&scene, std::slice::from_ref(sun), &options, &Silent).unwrap().bytes).collect();
@@ -91,8 +104,13 @@ fn what_is_wrong_is_said() {
     let error = SteppedBaker::new(Arc::new(Scene::default()), options(256)).err();
     assert_eq!(error, Some(BakeError::NoCasters));
     // A limit that does not suffice.
-    let tight = BakeOptions { memory_limit: Some(1 << 16), interior: Interior::Open, ..options(1024) };
-    let mut baker = SteppedBaker::new(Arc::clone(&scene), tight).unwrap();
-    baker.start(scene.lights[..1].to_vec());
-    assert!(matches!(baker.step(Duration::from_secs(60)), Step::Done(Err(BakeError::Memory { .. }))));
+    for encoding in ENCODINGS {
+        let tight = BakeOptions { memory_limit: Some(1 << 16), interior: Interior::Open, ..options_in(encoding, 1024) };
+        let mut baker = SteppedBaker::new(Arc::clone(&scene), tight).unwrap();
+        baker.start(scene.lights[..1].to_vec());
+        assert!(
+            matches!(baker.step(Duration::from_secs(60)), Step::Done(Err(BakeError::Memory { .. }))),
+            "{encoding:?}"
+        );
+    }
 }
