@@ -58,7 +58,9 @@ pub const MODULES: [(&str, &str); 8] = [
 pub fn encoding_module(encoding: Encoding) -> &'static str {
     match encoding {
         Encoding::Dag8 => include_str!("../shaders/dag8.wgsl"),
-        Encoding::Silhouette => include_str!("../shaders/silhouette.wgsl"),
+        Encoding::Silhouette => {
+            concat!(include_str!("../shaders/silhouette.wgsl"), include_str!("../shaders/silhouette_areas.wgsl"))
+        }
     }
 }
 

@@ -113,7 +113,7 @@ impl<'a> LightShadow<'a> {
         }
     }
 
-    /// [`LightShadow::visibility`] of many points: the same answers, two to three times as many per second, because
+    /// [`LightShadow::visibility`] of many points: the same answers, up to three times as many per second, because
     /// several descents run side by side. Writes as many answers as both slices have room for.
     pub fn visibility_many(self, points_world: &[DVec3], visibility: &mut [f32]) {
         let places = points_world.iter().map(|p| self.projection().place(*p));

@@ -165,6 +165,6 @@ impl TopGrid {
 }
 
 /// Bits by which bounds are shifted, so that N fits into 16.
-pub(crate) fn bounds_shift(log2_resolution: u32) -> u32 {
+fn bounds_shift(log2_resolution: u32) -> u32 {
     log2_resolution.saturating_sub(15)
 }
