@@ -3,10 +3,12 @@
 use std::time::Instant;
 
 use antumbra::format::dag8::NodeCounts;
+use antumbra::format::packed::Packing;
 use antumbra::format::stat::BakeStats;
 use antumbra::format::write::{Contents, write_paced};
 use antumbra::{DepthDistribution, Encoding, Interior, LightKind};
 use antumbra_scene::{Light, Scene};
+use rayon::prelude::*;
 
 use crate::casters::{Blend, CasterOptions, Casters, Inverted};
 use crate::dag::{EncodeError, Encoded, Id, LevelsError, Tables, coarse_levels, encode};
@@ -492,8 +494,10 @@ fn finish(
     }
     let stats = stats(casters);
     let levels_bytes = encoded.added[light_roots..].iter().map(|(_, words)| 4 * words).sum();
+    let is_packed = encoding == Encoding::Silhouette && !options.is_unpacked;
+    let packed = is_packed.then(|| pack(&encoded.pool, &encoded.roots, progress));
     let mut contents = Contents::new(&records, &names, &encoded.pool, stats);
-    contents.is_packed = !options.is_unpacked;
+    contents.packed = packed.as_deref();
     contents.levels = has_levels.then_some(&encoded.roots[light_roots..]);
     contents.enters = options.enter_depths.then_some(&enters[..]);
     let bytes = write_paced(&contents, &mut || _ = progress.pause());
@@ -509,6 +513,15 @@ fn finish(
         threads: rayon::current_num_threads(),
         warnings,
     })
+}
+
+/// Packs silhouettes, on all threads.
+fn pack(pool: &[u32], roots: &[u32], progress: &dyn Progress) -> Vec<u8> {
+    let pause = || _ = progress.pause();
+    let packing = Packing::new(pool, roots.iter().copied(), &pause);
+    let deflated: Vec<Vec<u8>> =
+        (0..packing.pieces()).into_par_iter().map(|piece| packing.deflate(piece, &pause)).collect();
+    packing.finish(&deflated)
 }
 
 fn stats(casters: &Casters<'_>) -> BakeStats {

@@ -1,10 +1,9 @@
 //! Whether a plane is right throughout a tile, where more is known of the tile than that.
 
 use antumbra::format::silhouette::Form;
-use arrayvec::ArrayVec;
 
 use super::form::{EdgeKey, Plane, Second, Surface, edge_form};
-use super::sketch::{MOST_PARTS, MOST_SURFACES, Set};
+use super::sketch::Set;
 use crate::columns::{BuildTriangle, Tile};
 use crate::light_space::Slices;
 
@@ -68,28 +67,29 @@ impl Forms<'_> {
     }
 }
 
-/// Most surfaces of all sets that meet.
-const MOST_KNOWN: usize = MOST_PARTS * MOST_SURFACES;
-
-/// Surfaces of which some are right throughout a part of a tile, and others may be.
+/// Surfaces of which some are right throughout a part of a tile, and others may be. Kept from tile to tile, for its lists.
 pub(crate) struct Candidates<'a> {
-    forms: &'a Forms<'a>,
+    pub forms: Forms<'a>,
     /// Each once, with its shape where it has been asked for.
-    surfaces: ArrayVec<(Surface, Option<Option<Shape>>), MOST_KNOWN>,
+    surfaces: Vec<(Surface, Option<Option<Shape>>)>,
     /// Their values over the part at hand, where they have been asked for.
-    over: ArrayVec<Option<Option<Over>>, MOST_KNOWN>,
+    over: Vec<Option<Option<Over>>>,
 }
 
 impl<'a> Candidates<'a> {
-    /// The surfaces of some sets.
-    pub fn new<'s>(forms: &'a Forms<'a>, sets: impl IntoIterator<Item = &'s Set>) -> Self {
-        let mut surfaces: ArrayVec<(Surface, Option<Option<Shape>>), MOST_KNOWN> = ArrayVec::new();
+    /// None yet.
+    pub fn new(forms: Forms<'a>) -> Self {
+        Self { forms, surfaces: Vec::new(), over: Vec::new() }
+    }
+
+    /// Takes the surfaces of some sets.
+    pub fn gather<'s>(&mut self, sets: impl IntoIterator<Item = &'s Set>) {
+        self.surfaces.clear();
         for surface in sets.into_iter().flat_map(Set::surfaces) {
-            if !surfaces.iter().any(|(known, _)| *known == surface) {
-                surfaces.push((surface, None));
+            if !self.surfaces.iter().any(|(known, _)| *known == surface) {
+                self.surfaces.push((surface, None));
             }
         }
-        Self { forms, surfaces, over: ArrayVec::new() }
     }
 
     pub fn len(&self) -> usize {
@@ -103,39 +103,48 @@ impl<'a> Candidates<'a> {
     /// Turns to another part.
     pub fn forget(&mut self) {
         self.over.clear();
-        self.over.extend(self.surfaces.iter().map(|_| None));
+        self.over.resize_with(self.surfaces.len(), || None);
     }
 
-    fn over(&mut self, number: usize, polygon: &Polygon) -> Option<Over> {
+    /// Finds a surface's values over a polygon: they are in `over` then.
+    fn evaluate(&mut self, number: usize, polygon: &Polygon) {
         let Self { forms, surfaces, over } = self;
         let (surface, shape) = &mut surfaces[number];
-        *over[number].get_or_insert_with(|| {
+        if over[number].is_none() {
             let shape = shape.get_or_insert_with(|| forms.shape(*surface));
-            forms.over(shape.as_ref()?, polygon)
-        })
+            over[number] = Some(shape.as_ref().and_then(|shape| forms.over(shape, polygon)));
+        }
+    }
+
+    /// A surface's values over the part at hand, which were found before.
+    fn over(&self, number: usize) -> Option<&Over> {
+        self.over[number].as_ref()?.as_ref()
     }
 
     /// Whether a surface is right throughout a polygon: not before what must be lit, not behind what must be shadowed, both of which
     /// constants bound, and surfaces that are known to be right.
-    pub fn accepts(&mut self, number: usize, (polygon, set): &(Polygon, &Set)) -> bool {
+    pub fn accepts(&mut self, number: usize, part: &(Polygon, &Set)) -> bool {
+        let (polygon, set) = part;
         if set.surfaces().any(|known| known == self.surface(number)) {
             return true;
         }
-        let Some(own) = self.over(number, polygon) else { return false };
+        self.evaluate(number, polygon);
+        let Some(own) = self.over(number) else { return false };
         let slices = self.forms.slices.resolution().texels();
         let first_value = |depth: u32| self.forms.first_value(depth);
         let is_late = set.low == 0 || own.is_behind(&polygon.constant(first_value(set.low)));
         // Values below the next whole one are rounded down.
         let is_early = set.high >= slices || own.is_before(&polygon.constant(first_value(set.high + 1)));
-        (is_late || self.knows(polygon, set, |known| own.is_behind_other(known)))
-            && (is_early || self.knows(polygon, set, |known| own.is_before_other(known)))
+        (is_late || self.knows(number, part, Over::is_behind_other))
+            && (is_early || self.knows(number, part, Over::is_before_other))
     }
 
-    /// Whether something holds for one of the surfaces that are known to be right.
-    fn knows(&mut self, polygon: &Polygon, set: &Set, holds: impl Fn(&Over) -> bool) -> bool {
+    /// Whether a surface has some relation to one of those that are known to be right.
+    fn knows(&mut self, number: usize, (polygon, set): &(Polygon, &Set), relation: impl Fn(&Over, &Over) -> bool) -> bool {
         set.surfaces().any(|known| {
-            let number = self.surfaces.iter().position(|(surface, _)| *surface == known);
-            number.and_then(|number| self.over(number, polygon)).is_some_and(|known| holds(&known))
+            let Some(known) = self.surfaces.iter().position(|(surface, _)| *surface == known) else { return false };
+            self.evaluate(known, polygon);
+            self.over(number).zip(self.over(known)).is_some_and(|(own, known)| relation(own, known))
         })
     }
 }

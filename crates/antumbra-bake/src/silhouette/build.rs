@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use antumbra::format::silhouette::Form;
 
-use super::accept::Forms;
+use super::accept::{Candidates, Forms};
 use super::form::{Plane, Side, Surface};
 use super::gap::add_planes;
 use super::leaf;
@@ -81,7 +81,7 @@ impl<'a> Shared<'a> {
         let children: Vec<Sketch> =
             lists.into_par_iter().enumerate().map(|(i, list)| self.tile(tile.child(i as u32), list, clamp)).collect();
         match <[Sketch; 4]>::try_from(children) {
-            Ok(children) => Sketch::of(children, tile, &self.forms),
+            Ok(children) => self.with_worker(|worker| Sketch::of(children, tile, &mut worker.candidates)),
             Err(_) => lit(self.build.resolution().texels()),
         }
     }
@@ -121,6 +121,7 @@ fn lit(slices: u32) -> Sketch {
 struct Worker<'a> {
     build: &'a Build<'a>,
     forms: Forms<'a>,
+    candidates: Candidates<'a>,
     lists: Vec<[Vec<Entry>; 4]>,
     leaf: LeafScratch,
     /// Bytes of sketches that no longer change, not yet told.
@@ -131,7 +132,8 @@ struct Worker<'a> {
 impl<'a> Worker<'a> {
     fn new(build: &'a Build<'a>, forms: Forms<'a>) -> Self {
         let lists = (0..=build.resolution().log2()).map(|_| [const { Vec::new() }; 4]).collect();
-        Self { build, forms, lists, leaf: LeafScratch::new(build.arch()), held: 0, stopped: false }
+        let (candidates, leaf) = (Candidates::new(forms), LeafScratch::new(build.arch()));
+        Self { build, forms, candidates, lists, leaf, held: 0, stopped: false }
     }
 
     fn settled(&mut self, tile: Tile, entries: &[Entry], settled: Settled) -> Sketch {
@@ -201,7 +203,7 @@ impl<'a> Worker<'a> {
             self.settled(child, list, settled)
         });
         self.lists[tile.log2 as usize] = lists;
-        let sketch = Sketch::of(children, tile, &self.forms);
+        let sketch = Sketch::of(children, tile, &mut self.candidates);
         self.held += sketch.own_bytes();
         sketch
     }

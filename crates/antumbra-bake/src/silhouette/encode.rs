@@ -1,18 +1,25 @@
 //! From sketches to the words of a pool: [`antumbra::format::silhouette`].
 
+use std::ops::Range;
+
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::silhouette::{
     FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, kind, payload, plane_of_pair, reference,
 };
+use arrayvec::ArrayVec;
 use rustc_hash::FxHashMap;
 
 use super::accept::Forms;
 use super::form::{Plane, Second};
 use super::sketch::{Set, Sketch};
 use crate::dag::{EncodeError, Encoded};
+use crate::pause::Pause;
 
 /// Depths that are chosen again if they will do.
 const RECENT: usize = 64;
+
+/// Inner tiles that are written between two rests.
+const REST_TILES: u32 = 1 << 10;
 
 /// One face's tree: its nodes begin at word 0, its forms at number 0.
 #[derive(Clone, Debug, Default)]
@@ -31,9 +38,11 @@ struct Pool {
 }
 
 impl Tree {
-    pub fn new(sketch: &Sketch, forms: &Forms<'_>) -> Self {
+    /// Chooses depths. The sketch is gone bit by bit.
+    pub fn new(sketch: Sketch, forms: &Forms<'_>, pause: Pause<'_>) -> Self {
         let recent = Vec::with_capacity(RECENT);
-        let mut writer = Writer { tree: Self::default(), numbers: FxHashMap::default(), forms, recent };
+        let tree = Self::default();
+        let mut writer = Writer { tree, numbers: FxHashMap::default(), forms, recent, tiles: 0, pause };
         writer.tree.root = writer.tile(sketch);
         writer.tree
     }
@@ -55,21 +64,24 @@ struct Writer<'a> {
     forms: &'a Forms<'a>,
     /// Depths that were chosen lately, latest first.
     recent: Vec<u32>,
+    /// Inner tiles so far.
+    tiles: u32,
+    pause: Pause<'a>,
 }
 
 impl Writer<'_> {
-    fn tile(&mut self, sketch: &Sketch) -> u32 {
+    fn tile(&mut self, sketch: Sketch) -> u32 {
         match sketch {
-            Sketch::Flat(set) => self.value(set),
+            Sketch::Flat(set) => self.value(&set),
             Sketch::Cut(cut) => {
                 let slices = self.forms.slices.resolution().texels();
-                let edges: Vec<u32> = cut.edges.iter().map(|edge| self.form(self.forms.edge(*edge))).collect();
-                let regions = &cut.regions[..1 << edges.len()];
-                // Any depth will do for a region without texels.
-                let value = |r: &Option<Set>| r.as_ref().map_or(reference(Kind::Depth, slices), |set| self.value(set));
-                let values: Vec<u32> = regions.iter().map(value).collect();
-                let kind = if edges.len() == 1 { Kind::Cut } else { Kind::Cross };
-                self.node(kind, &[edges, values].concat())
+                let mut words: ArrayVec<u32, 6> = cut.edges.iter().map(|e| self.form(self.forms.edge(*e))).collect();
+                let kind = if words.len() == 1 { Kind::Cut } else { Kind::Cross };
+                for region in &cut.regions[..1 << words.len()] {
+                    // Any depth will do for a region without texels.
+                    words.push(region.as_ref().map_or(reference(Kind::Depth, slices), |set| self.value(set)));
+                }
+                self.node(kind, &words)
             }
             Sketch::Masks(turns) => {
                 let of = |turn: &super::sketch::Turn| [turn.high, turn.lit as u32, (turn.lit >> 32) as u32];
@@ -77,7 +89,11 @@ impl Writer<'_> {
                 self.node(Kind::Masks, &words)
             }
             Sketch::Inner(children) => {
-                let children = [0, 1, 2, 3].map(|i| self.tile(&children[i]));
+                self.tiles += 1;
+                if self.tiles.is_multiple_of(REST_TILES) {
+                    (self.pause)();
+                }
+                let children = children.map(|child| self.tile(child));
                 self.node(Kind::Inner, &children)
             }
         }
@@ -138,7 +154,7 @@ fn number(forms: &mut Vec<Form>, numbers: &mut FxHashMap<Form, u32>, form: Form)
 ///
 /// # Errors
 /// [`EncodeError`].
-pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: &dyn Fn() -> bool) -> Result<Encoded, EncodeError> {
+pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: Pause<'_>) -> Result<Encoded, EncodeError> {
     let held: u64 = trees.iter().map(Tree::bytes).sum();
     // The trees and the pool; then the pool, its streams, and what they are packed into.
     if held.saturating_mul(3) > memory_limit {
@@ -166,10 +182,12 @@ pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: &dyn Fn() -> bo
     let (mut roots, mut added) = (Vec::new(), Vec::new());
     for ((tree, forms), added_forms) in trees.iter().zip(&numbers).zip(added_forms) {
         let before = pool.words.len();
-        let mut moved = Moved { tree, forms, words: &mut pool.words, counts: NodeCounts::default() };
+        pool.words.extend_from_slice(&tree.nodes);
+        let nodes = &mut pool.words[before..];
+        let mut moved = Moved { nodes, begin: before as u32, forms, counts: NodeCounts::default(), pause };
         roots.push(moved.tile(tree.root));
         let counts = moved.counts;
-        added.push((counts, (added_forms * FORM_WORDS + pool.words.len() - before) as u64));
+        added.push((counts, (added_forms * FORM_WORDS + tree.nodes.len()) as u64));
         if !pause() {
             return Err(EncodeError::Cancelled);
         }
@@ -177,46 +195,53 @@ pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: &dyn Fn() -> bo
     Ok(Encoded { pool: pool.words, roots, added })
 }
 
-/// A tree on its way into the pool.
+/// A tree's nodes in the pool, whose references still have to be made the pool's.
 struct Moved<'a> {
-    tree: &'a Tree,
+    nodes: &'a mut [u32],
+    /// Where they begin.
+    begin: u32,
     /// The pool's number of each of the tree's forms.
     forms: &'a [u32],
-    words: &'a mut Vec<u32>,
     counts: NodeCounts,
+    pause: Pause<'a>,
 }
 
 impl Moved<'_> {
+    /// Makes the references in a tile the pool's; returns the one to it.
     fn tile(&mut self, tile: u32) -> u32 {
         let at = payload(tile);
-        let tree = self.tree;
-        let words: Vec<u32> = match kind(tile) {
+        match kind(tile) {
             Kind::Inner => {
                 self.counts.inner += 1;
-                tree.nodes[at..at + 4].iter().map(|child| self.tile(*child)).collect()
+                if self.counts.inner.is_multiple_of(REST_TILES.into()) {
+                    (self.pause)();
+                }
+                self.tiles(at..at + 4);
             }
             Kind::Cut | Kind::Cross => {
                 self.counts.cuts += 1;
                 let edges = if kind(tile) == Kind::Cut { 1 } else { 2 };
-                let (edges, regions) = tree.nodes[at..at + edges + (1 << edges)].split_at(edges);
-                let edges: Vec<u32> = edges.iter().map(|edge| self.forms[*edge as usize]).collect();
-                edges.into_iter().chain(regions.iter().map(|region| self.tile(*region))).collect()
+                for edge in &mut self.nodes[at..at + edges] {
+                    *edge = self.forms[*edge as usize];
+                }
+                self.tiles(at + edges..at + edges + (1 << edges));
             }
             Kind::Pair => {
-                let words = [tree.nodes[at], tree.nodes[at + 1]];
-                let planes = words.map(plane_of_pair).map(|(number, is_deep)| (self.forms[number], is_deep));
-                Pair::of(words[0]).to_words(planes).to_vec()
+                let pair = Pair::of(self.nodes[at]);
+                let planes = [self.nodes[at], self.nodes[at + 1]].map(plane_of_pair);
+                let words = pair.to_words(planes.map(|(number, is_deep)| (self.forms[number], is_deep)));
+                self.nodes[at..at + 2].copy_from_slice(&words);
             }
-            Kind::Masks => {
-                let turns = tree.nodes[at] as usize;
-                self.counts.masks += turns as u64;
-                tree.nodes[at..at + 1 + 3 * turns].to_vec()
-            }
+            Kind::Masks => self.counts.masks += u64::from(self.nodes[at]),
             Kind::Plane | Kind::Deep => return reference(kind(tile), self.forms[at]),
             Kind::Depth => return tile,
-        };
-        let at = self.words.len() as u32;
-        self.words.extend(words);
-        reference(kind(tile), at)
+        }
+        reference(kind(tile), self.begin + at as u32)
+    }
+
+    fn tiles(&mut self, places: Range<usize>) {
+        for place in places {
+            self.nodes[place] = self.tile(self.nodes[place]);
+        }
     }
 }

@@ -28,5 +28,5 @@ pub(crate) use encode::{Tree, encode};
 /// [`BuildError`].
 pub(crate) fn build(build: &Build<'_>) -> Result<Tree, BuildError> {
     let sketch = build::sketch(build)?;
-    Ok(Tree::new(&sketch, &accept::Forms { triangles: build.triangles, slices: build.slices }))
+    Ok(Tree::new(sketch, &accept::Forms { triangles: build.triangles, slices: build.slices }, build.pause))
 }

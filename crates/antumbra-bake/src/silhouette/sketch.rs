@@ -3,16 +3,16 @@
 
 use arrayvec::ArrayVec;
 
-use super::accept::{Candidates, Forms, Polygon, corners};
+use super::accept::{Candidates, Polygon, corners};
 use super::form::{EdgeKey, Surface};
 use crate::columns::Tile;
 
 /// Surfaces kept of a set.
-pub(super) const MOST_SURFACES: usize = 6;
+const MOST_SURFACES: usize = 6;
 /// Surfaces that are tried.
 const MOST_TRIED: usize = 12;
 /// Most parts of a region: four of each of four tiles.
-pub(super) const MOST_PARTS: usize = 16;
+const MOST_PARTS: usize = 16;
 
 /// Depths (first shadowed slices, N for none) that are right for every texel of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,15 +109,16 @@ impl Sketch {
     }
 
     /// A tile of four.
-    pub fn of(children: [Self; 4], parent: Tile, forms: &Forms<'_>) -> Self {
-        match merged(&children, parent, forms) {
+    pub fn of(children: [Self; 4], parent: Tile, candidates: &mut Candidates<'_>) -> Self {
+        match merged(&children, parent, candidates) {
             Some(sketch) => sketch,
             None => Self::Inner(Box::new(children)),
         }
     }
 }
 
-fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Sketch> {
+fn merged(children: &[Sketch; 4], parent: Tile, candidates: &mut Candidates<'_>) -> Option<Sketch> {
+    let forms = candidates.forms;
     // Two, and one too many.
     let mut found = [EdgeKey::default(); 3];
     let mut count = 0;
@@ -164,7 +165,7 @@ fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Ske
             }
         }
         if !parts.is_empty() {
-            *region = Some(met(&parts, forms)?);
+            *region = Some(met(&parts, candidates)?);
         }
     }
     let edges: ArrayVec<EdgeKey, 2> = edges.iter().copied().collect();
@@ -173,10 +174,10 @@ fn merged(children: &[Sketch; 4], parent: Tile, forms: &Forms<'_>) -> Option<Ske
 
 /// The depths that all of some regions' sets have, if there are any.
 #[inline(never)]
-fn met(parts: &[(Polygon, &Set)], forms: &Forms<'_>) -> Option<Set> {
+fn met(parts: &[(Polygon, &Set)], candidates: &mut Candidates<'_>) -> Option<Set> {
     let low = parts.iter().map(|(_, set)| set.low).max()?;
     let high = parts.iter().map(|(_, set)| set.high).min()?;
-    let mut candidates = Candidates::new(forms, parts.iter().map(|(_, set)| *set));
+    candidates.gather(parts.iter().map(|(_, set)| *set));
     let mut right = (1u32 << candidates.len().min(MOST_TRIED)) - 1;
     for part in parts {
         candidates.forget();

@@ -8,6 +8,8 @@
 //!      8     …  a raw DEFLATE stream (RFC 1951): the bytes of each of the 16 streams (`u32`), then the streams one after the other
 //! ```
 //!
+//! It is deflated in pieces of which none needs another, so that they can be deflated side by side ([`Packing`]); to a reader they are one stream.
+//!
 //! Each root's tree is walked, lights in the file's order, each node before its children and they in theirs. What the walk meets goes to one
 //! of the streams:
 //!
@@ -32,7 +34,8 @@
 
 use alloc::vec::Vec;
 
-use miniz_oxide::deflate::compress_to_vec;
+use miniz_oxide::DataFormat;
+use miniz_oxide::deflate::core::{CompressionStrategy, CompressorOxide, TDEFLFlush, compress_to_output};
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::silhouette::{
@@ -53,6 +56,12 @@ const TURNS: usize = 6;
 const MASKS: usize = 7;
 /// The next levels take two and three times as long for a hundredth each.
 const DEFLATE_LEVEL: u8 = 5;
+/// DEFLATE looks back 32 KiB and has tables for each block: pieces of so many bytes of the streams cost XXX of a hundred more than one.
+const PIECE_BYTES: usize = 1 << 17;
+/// Bytes that are deflated between two rests.
+const REST_BYTES: usize = 1 << 14;
+/// Tiles and depths that are packed between two rests.
+const REST_TILES: u32 = 1 << 12;
 /// Most that a list remembers.
 const RECENT: usize = 254;
 /// Something new.
@@ -129,25 +138,84 @@ impl Memory {
 /// Packs a valid pool, whose trees have these roots, in the file's order.
 #[must_use]
 pub fn pack(pool: &[u32], roots: impl IntoIterator<Item = u32>) -> Vec<u8> {
-    let mut packer = Packer { pool, memory: Memory::default(), streams: Default::default() };
-    roots.into_iter().for_each(|root| packer.tile(root));
-    let mut streams: Vec<u8> = packer.streams.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes()).collect();
-    // Each is dropped when it is copied.
-    packer.streams.into_iter().for_each(|stream| streams.extend_from_slice(&stream));
-    let mut bytes = [pool.len() as u32, pool[0]].map(u32::to_le_bytes).concat();
-    bytes.extend_from_slice(&compress_to_vec(&streams, DEFLATE_LEVEL));
-    bytes
+    let packing = Packing::new(pool, roots, &|| {});
+    let deflated: Vec<Vec<u8>> = (0..packing.pieces()).map(|i| packing.deflate(i, &|| {})).collect();
+    packing.finish(&deflated)
+}
+
+/// A pool on its way to its packed form: in pieces that may be deflated in any order, on any threads. [`pack`] does it at once.
+pub struct Packing {
+    header: [u32; 2],
+    /// The sizes of the streams, and the streams.
+    streams: Vec<u8>,
+}
+
+impl Packing {
+    /// Writes the streams of a valid pool, whose trees have these roots, in the file's order. `pause` is called now and then.
+    #[must_use]
+    pub fn new(pool: &[u32], roots: impl IntoIterator<Item = u32>, pause: &dyn Fn()) -> Self {
+        let mut packer = Packer { pool, memory: Memory::default(), streams: Default::default(), tiles: 0, pause };
+        roots.into_iter().for_each(|root| packer.tile(root));
+        let mut streams: Vec<u8> = packer.streams.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes()).collect();
+        // Each is dropped when it is copied.
+        packer.streams.into_iter().for_each(|stream| streams.extend_from_slice(&stream));
+        Self { header: [pool.len() as u32, pool[0]], streams }
+    }
+
+    /// How many pieces there are.
+    #[must_use]
+    pub fn pieces(&self) -> usize {
+        self.streams.len().div_ceil(PIECE_BYTES)
+    }
+
+    /// Deflates a piece. `pause` is called now and then.
+    #[must_use]
+    pub fn deflate(&self, piece: usize, pause: &dyn Fn()) -> Vec<u8> {
+        let mut compressor =
+            CompressorOxide::with_params(DataFormat::Raw, DEFLATE_LEVEL, CompressionStrategy::Default, u8::MAX);
+        let end = self.streams.len().min((piece + 1) * PIECE_BYTES);
+        let mut parts = self.streams[piece * PIECE_BYTES..end].chunks(REST_BYTES).peekable();
+        let mut bytes = Vec::new();
+        while let Some(part) = parts.next() {
+            let flush = match parts.peek() {
+                Some(_) => TDEFLFlush::None,
+                None if end < self.streams.len() => TDEFLFlush::Sync,
+                None => TDEFLFlush::Finish,
+            };
+            compress_to_output(&mut compressor, part, flush, |deflated| {
+                bytes.extend_from_slice(deflated);
+                true
+            });
+            pause();
+        }
+        bytes
+    }
+
+    /// The packed form, given the pieces, deflated, in their order.
+    #[must_use]
+    pub fn finish(&self, deflated: &[Vec<u8>]) -> Vec<u8> {
+        let mut bytes = self.header.map(u32::to_le_bytes).concat();
+        deflated.iter().for_each(|piece| bytes.extend_from_slice(piece));
+        bytes
+    }
 }
 
 struct Packer<'a> {
     pool: &'a [u32],
     memory: Memory,
     streams: [Vec<u8>; STREAMS],
+    /// Tiles and depths so far.
+    tiles: u32,
+    pause: &'a dyn Fn(),
 }
 
 impl Packer<'_> {
     fn tile(&mut self, tile: u32) {
         let at = payload(tile);
+        self.tiles = self.tiles.wrapping_add(1);
+        if self.tiles.is_multiple_of(REST_TILES) {
+            (self.pause)();
+        }
         if kind(tile) == Kind::Pair && Pair::of(self.pool[at]) != Pair::Wedge {
             self.streams[KINDS].push(if Pair::of(self.pool[at]) == Pair::Nearer { NEARER } else { FARTHER });
             for (number, is_deep) in [self.pool[at], self.pool[at + 1]].map(plane_of_pair) {

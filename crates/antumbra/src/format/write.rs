@@ -6,7 +6,6 @@ use alloc::vec::Vec;
 use xxhash_rust::xxh3::Xxh3;
 
 use super::light::{Encoding, LightRecord};
-use super::packed;
 use super::section::{ENTRY_BYTES, Entry, HEADER_BYTES, Header, REQUIRED, table_checksum};
 use super::stat::BakeStats;
 use super::{ENTERS, LEVELS, MAGIC, SECTION_ALIGNMENT, VERSION_MAJOR, VERSION_MINOR};
@@ -21,9 +20,9 @@ pub struct Contents<'a> {
     pub names: &'a str,
     /// The shared node pool, words in host order, in the encoding that the lights name: [`super::dag8`] or [`super::silhouette`].
     pub pool: &'a [u32],
-    /// Whether to pack silhouettes ([`super::packed`]), which must then be valid: a third of the bytes, and a file cannot be mapped to be looked
-    /// up in.
-    pub is_packed: bool,
+    /// The packed form of a pool of silhouettes ([`super::packed`]), to be stored in the pool's place: a third of the bytes, but a file cannot be
+    /// mapped to be looked up in.
+    pub packed: Option<&'a [u8]>,
     /// What was baked.
     pub stats: BakeStats,
     /// Roots of coarse levels, if there are any: the contents of [`super::LEVELS`].
@@ -36,7 +35,7 @@ impl<'a> Contents<'a> {
     /// A file without optional lookups.
     #[must_use]
     pub fn new(lights: &'a [LightRecord], names: &'a str, pool: &'a [u32], stats: BakeStats) -> Self {
-        Self { lights, names, pool, is_packed: false, stats, levels: None, enters: None }
+        Self { lights, names, pool, packed: None, stats, levels: None, enters: None }
     }
 }
 
@@ -70,12 +69,10 @@ fn pool_section<'a>(contents: &Contents<'a>) -> ([u8; 4], Cow<'a, [u8]>) {
         Cow::Borrowed(words) => Cow::Borrowed(bytemuck::cast_slice(words)),
         Cow::Owned(words) => Cow::Owned(bytemuck::cast_slice(&words).to_vec()),
     };
-    match contents.lights.first().and_then(LightRecord::node_encoding) {
-        Some(Encoding::Silhouette) if contents.is_packed => {
-            let roots = contents.lights.iter().flat_map(|light| light.face_roots().iter().copied());
-            (*b"SILP", Cow::Owned(packed::pack(contents.pool, roots)))
-        }
-        Some(Encoding::Silhouette) => (*b"SILH", as_it_is()),
+    let is_silhouette = contents.lights.first().and_then(LightRecord::node_encoding) == Some(Encoding::Silhouette);
+    match contents.packed {
+        Some(packed) if is_silhouette => (*b"SILP", Cow::Borrowed(packed)),
+        _ if is_silhouette => (*b"SILH", as_it_is()),
         _ => (*b"DAG8", as_it_is()),
     }
 }
