@@ -162,6 +162,8 @@ const DEEP_STEPS: f64 = 2.0;
 pub(crate) struct Polygon {
     corners: [[f64; 2]; MOST_CORNERS],
     count: usize,
+    /// The greatest texels of the tile that it is of.
+    last: [f64; 2],
 }
 
 impl Polygon {
@@ -169,7 +171,7 @@ impl Polygon {
     pub fn of_tile(tile: Tile) -> Self {
         let [a, b, c, d] = corners(tile).map(|texel| texel.map(f64::from));
         // Around it.
-        Self { corners: [a, b, d, c, c, c], count: 4 }
+        Self { corners: [a, b, d, c, c, c], count: 4, last: d }
     }
 
     /// The part of a tile on some sides of one edge or two: the left one where it is set.
@@ -186,7 +188,7 @@ impl Polygon {
         let (sign, beyond) = if is_left { (1.0, 1.0) } else { (-1.0, 0.0) };
         let [a, b, c] = [f64::from(edge.a), f64::from(edge.b), edge.c as f64 + beyond].map(|factor| sign * factor);
         let at = |[x, y]: [f64; 2]| a * x + b * y + c;
-        let mut part = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0 };
+        let mut part = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0, ..*self };
         for i in 0..self.count {
             let (p, q) = (self.corners[i], self.corners[if i + 1 == self.count { 0 } else { i + 1 }]);
             let (here, next) = (at(p), at(q));
@@ -236,7 +238,7 @@ impl Ends {
         let unit = 1.0 / (1i64 << form.shift) as f64;
         let [a, b, c] = [f64::from(form.a), f64::from(form.b), form.c as f64].map(|factor| factor * unit);
         let at = polygon.corners.map(|[x, y]| a * x + b * y + c);
-        let [x, y] = [0, 1].map(|axis| polygon.corners.iter().map(|corner| corner[axis]).fold(0.0, f64::max));
+        let [x, y] = polygon.last;
         let terms = a.abs() * x + b.abs() * y + c.abs();
         // More than nothing: what is before something is not at it.
         let slack = (terms * ROUNDING + (a.abs() + b.abs()) * CORNER_ERROR).max(f64::MIN_POSITIVE);

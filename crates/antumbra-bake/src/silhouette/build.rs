@@ -10,7 +10,7 @@ use antumbra::format::silhouette::Form;
 
 use super::accept::{Candidates, Forms};
 use super::form::{Plane, Side, Surface};
-use super::gap::add_planes;
+use super::gap::{Gap, add_planes};
 use super::leaf;
 use super::sketch::{Set, Sketch};
 use crate::columns::{Build, BuildError, Entry, LEAF_LOG2, Leaf, LeafScratch, Settled, Tile, root_entries, split};
@@ -122,6 +122,7 @@ struct Worker<'a> {
     build: &'a Build<'a>,
     forms: Forms<'a>,
     candidates: Candidates<'a>,
+    gap: Gap,
     lists: Vec<[Vec<Entry>; 4]>,
     leaf: LeafScratch,
     /// Bytes of sketches that no longer change, not yet told.
@@ -133,7 +134,7 @@ impl<'a> Worker<'a> {
     fn new(build: &'a Build<'a>, forms: Forms<'a>) -> Self {
         let lists = (0..=build.resolution().log2()).map(|_| [const { Vec::new() }; 4]).collect();
         let (candidates, leaf) = (Candidates::new(forms), LeafScratch::new(build.arch()));
-        Self { build, forms, candidates, lists, leaf, held: 0, stopped: false }
+        Self { build, forms, candidates, gap: Gap::default(), lists, leaf, held: 0, stopped: false }
     }
 
     fn settled(&mut self, tile: Tile, entries: &[Entry], settled: Settled) -> Sketch {
@@ -148,7 +149,7 @@ impl<'a> Worker<'a> {
                 self.build.record_enters(tile, [least, enter]);
                 let mut set = Set::constants(enter.min(slices), exit.min(slices));
                 if !self.build.freedom.is_behind_open() {
-                    add_planes(&self.forms, &mut set, tile, (entries, clamp));
+                    add_planes(&self.forms, &mut self.gap, &mut set, tile, (entries, clamp));
                 }
                 Sketch::Flat(set)
             }

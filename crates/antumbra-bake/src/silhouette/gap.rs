@@ -16,11 +16,16 @@ const ERROR: [f64; 2] = [1.0 / 8192.0, 3.0];
 
 /// Adds planes that are right in a tile whose constants lie in a gap: behind all that lies before the gap, before all that lies
 /// behind it. What is no longer in the list lies no nearer than `clamp`.
-pub(crate) fn add_planes(forms: &Forms<'_>, set: &mut Set, tile: Tile, (entries, clamp): (&[Entry], u32)) {
-    if entries.len() > MOST_LOOKED_AT {
+pub(crate) fn add_planes(
+    forms: &Forms<'_>,
+    gap: &mut Gap,
+    set: &mut Set,
+    tile: Tile,
+    (entries, clamp): (&[Entry], u32),
+) {
+    if entries.len() > MOST_LOOKED_AT || gap.read(forms, entries, set, tile).is_none() {
         return;
     }
-    let Some(mut gap) = Gap::new(forms, entries, set, tile) else { return };
     if clamp < forms.slices.resolution().texels() {
         gap.behind.push([forms.first_value(clamp + 1) - gap.error; 4]);
     }
@@ -63,8 +68,9 @@ struct Front {
     deep: Option<Depths>,
 }
 
-/// What lies before a gap and behind it.
-struct Gap {
+/// What lies before a gap and behind it. Kept from tile to tile, for its lists.
+#[derive(Default)]
+pub(crate) struct Gap {
     fronts: Vec<Front>,
     /// Triangles where rays leave, and the planes before them.
     backs: Vec<(u32, Depths)>,
@@ -76,12 +82,15 @@ struct Gap {
 }
 
 impl Gap {
-    /// `None` where something cannot be told.
-    fn new(forms: &Forms<'_>, entries: &[Entry], set: &Set, tile: Tile) -> Option<Self> {
+    /// Takes a tile's triangles. `None` where something cannot be told.
+    fn read(&mut self, forms: &Forms<'_>, entries: &[Entry], set: &Set, tile: Tile) -> Option<()> {
         let slices = forms.slices;
         let (units, texel) = (slices.units_per_step(), slices.resolution().texel_steps() as f64);
-        let error = ERROR[usize::from(!slices.are_even())];
-        let mut gap = Self { fronts: Vec::new(), backs: Vec::new(), before: Vec::new(), behind: Vec::new(), error };
+        self.fronts.clear();
+        self.backs.clear();
+        self.before.clear();
+        self.behind.clear();
+        self.error = ERROR[usize::from(!slices.are_even())];
         let at_corners = tile.corners(slices.resolution());
         let [next, own] = [true, false].map(|is_next| slices.value_of(is_next));
         for entry in entries {
@@ -96,27 +105,27 @@ impl Gap {
             };
             if entry.last < set.low {
                 let rise = if t.winding() == 1 { t.rise(texel, slices) } else { 0.0 };
-                gap.before.push([at.map(|d| next.of(d)), at.map(|d| next.of(d + rise))]);
-                let is_wanted = t.winding() == 1 && gap.fronts.len() < MOST_SIDES;
+                self.before.push([at.map(|d| next.of(d)), at.map(|d| next.of(d + rise))]);
+                let is_wanted = t.winding() == 1 && self.fronts.len() < MOST_SIDES;
                 let past = Plane::new(entry.triangle, Side::Past);
                 if is_wanted && let Some(form) = forms.plane(past) {
                     let deep = values(forms.deep(form));
                     let is_inside = slices.are_even() || deep.iter().all(|value| *value >= 0.0);
                     let deep = is_inside.then(|| deep.map(|value| forms.of_deep(value)));
-                    gap.fronts.push(Front { triangle: entry.triangle, past: values(form), deep });
+                    self.fronts.push(Front { triangle: entry.triangle, past: values(form), deep });
                 }
             } else if entry.first >= set.high {
-                gap.behind.push(at.map(|d| own.of(d)));
-                let is_wanted = t.winding() == -1 && gap.backs.len() < MOST_SIDES;
+                self.behind.push(at.map(|d| own.of(d)));
+                let is_wanted = t.winding() == -1 && self.backs.len() < MOST_SIDES;
                 let before = Plane::new(entry.triangle, Side::Before);
                 if is_wanted && let Some(form) = forms.plane(before) {
-                    gap.backs.push((entry.triangle, values(form)));
+                    self.backs.push((entry.triangle, values(form)));
                 }
             } else {
                 return None;
             }
         }
-        Some(gap)
+        Some(())
     }
 
     /// Whether a plane lies behind everything before the gap: behind what begins solids anywhere in texels, or at their centres.
