@@ -140,7 +140,12 @@ impl<'a> Candidates<'a> {
     }
 
     /// Whether a surface has some relation to one of those that are known to be right.
-    fn knows(&mut self, number: usize, (polygon, set): &(Polygon, &Set), relation: impl Fn(&Over, &Over) -> bool) -> bool {
+    fn knows(
+        &mut self,
+        number: usize,
+        (polygon, set): &(Polygon, &Set),
+        relation: impl Fn(&Over, &Over) -> bool,
+    ) -> bool {
         set.surfaces().any(|known| {
             let Some(known) = self.surfaces.iter().position(|(surface, _)| *surface == known) else { return false };
             self.evaluate(known, polygon);

