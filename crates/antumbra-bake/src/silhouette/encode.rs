@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::silhouette::{
-    FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, kind, payload, plane_of_pair, reference,
+    FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, Turns, kind, payload, plane_of_pair, reference,
 };
 use arrayvec::ArrayVec;
 use rustc_hash::FxHashMap;
@@ -84,9 +84,9 @@ impl Writer<'_> {
                 self.node(kind, &words)
             }
             Sketch::Masks(turns) => {
-                let of = |turn: &super::sketch::Turn| [turn.high, turn.lit as u32, (turn.lit >> 32) as u32];
-                let words: Vec<u32> = [turns.len() as u32].into_iter().chain(turns.iter().flat_map(of)).collect();
-                self.node(Kind::Masks, &words)
+                let at = self.tree.nodes.len() as u32;
+                self.tree.nodes.extend(Turns::to_words(turns.iter().map(|turn| (turn.high, turn.lit))));
+                reference(Kind::Masks, at)
             }
             Sketch::Inner(children) => {
                 self.tiles += 1;

@@ -22,7 +22,7 @@
 //! | 4 | new depths: the difference from the last new one, signed, beginning at 0 |
 //! | 5 | numbers of forms that were met before, but not recently |
 //! | 6 | of masks: how many, then the difference of each depth from the one before, beginning at 0 |
-//! | 7 | masks, 8 bytes each |
+//! | 7 | masks, 8 bytes each, those of the lowest bits first |
 //! | 8 to 11 | a, b and c of edges that are new, signed; their shifts, a byte each |
 //! | 12 to 15 | the same of planes |
 //!
@@ -39,7 +39,7 @@ use miniz_oxide::deflate::core::{CompressionStrategy, CompressorOxide, TDEFLFlus
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::silhouette::{
-    FORM_WORDS, Form, HEADER_WORDS, Kind, MASK_LEVEL, MOST_PAYLOAD, Pair, kind, payload, plane_of_pair, reference,
+    FORM_WORDS, Form, HEADER_WORDS, Kind, MASK_LEVEL, MOST_PAYLOAD, Pair, Turns, kind, payload, plane_of_pair, reference,
 };
 use crate::FormatError;
 
@@ -236,14 +236,15 @@ impl Packer<'_> {
             Kind::Plane | Kind::Deep => self.form(Role::Plane, at as u32),
             Kind::Depth => self.depth(at as u32),
             Kind::Masks => {
-                let turns = self.pool[at] as usize;
-                put(&mut self.streams[TURNS], turns as u64);
+                let turns = Turns::read(self.pool, at);
+                put(&mut self.streams[TURNS], turns.depths().len() as u64);
                 let mut last = 0;
-                for turn in self.pool[at + 1..at + 1 + 3 * turns].chunks_exact(3) {
-                    put(&mut self.streams[TURNS], u64::from(turn[0] - last));
-                    last = turn[0];
-                    turn[1..].iter().for_each(|word| self.streams[MASKS].extend_from_slice(&word.to_le_bytes()));
+                for depth in turns.depths() {
+                    put(&mut self.streams[TURNS], u64::from(depth - last));
+                    last = *depth;
                 }
+                let words = turns.masks().as_flattened().iter();
+                self.streams[MASKS].extend(words.flat_map(|word| word.to_le_bytes()));
             }
         }
     }
@@ -403,17 +404,26 @@ impl Unpacker<'_> {
     }
 
     fn masks(&mut self) -> Result<u32, FormatError> {
-        let turns = self.number(TURNS)?;
-        let at = self.node(Kind::Masks, &[turns as u32])?;
-        let mut last = 0u32;
-        for _ in 0..turns {
-            last = last.wrapping_add(self.number(TURNS)? as u32);
-            let (mask, rest) = self.streams[MASKS].split_first_chunk::<8>().ok_or(CUT_OFF)?;
-            self.streams[MASKS] = rest;
-            let mask = u64::from_le_bytes(*mask);
-            self.node(Kind::Masks, &[last, mask as u32, (mask >> 32) as u32])?;
+        let count = self.number(TURNS)?;
+        if !(1..=64).contains(&count) {
+            return Err(IMPOSSIBLE);
         }
-        Ok(at)
+        let count = count as usize;
+        let mut words = [0; Turns::MOST_WORDS];
+        words[0] = count as u32;
+        let all = Turns::words_for(count);
+        let (masks, depths) = words[1..all].split_at_mut(all - 1 - count);
+        for word in masks {
+            let (bytes, rest) = self.streams[MASKS].split_first_chunk::<4>().ok_or(CUT_OFF)?;
+            self.streams[MASKS] = rest;
+            *word = u32::from_le_bytes(*bytes);
+        }
+        let mut last = 0u32;
+        for depth in depths {
+            last = last.wrapping_add(self.number(TURNS)? as u32);
+            *depth = last;
+        }
+        self.node(Kind::Masks, &words[..all])
     }
 
     fn node(&mut self, kind: Kind, words: &[u32]) -> Result<u32, FormatError> {

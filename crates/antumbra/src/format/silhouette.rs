@@ -36,8 +36,9 @@
 //! 3 inner   a node of four words, references to four tiles of half the side, x fastest
 //! 4 cut     a node of three words: an edge's number, and references for the texels to its right and its left
 //! 5 cross   a node of six words: two edges' numbers, and four references; bit i of their order is set to the left of edge i
-//! 6 masks   a node of 1 + 3n words: n from 1 to 64, and n times a depth, and a mask of 8 x 8 texels (low word first; bit 8 y + x) that
-//!           are lit behind it. Depths rise, masks shrink. Tiles of 8 x 8 texels alone
+//! 6 masks   a node of 1 + 2p + n words, where p bits can tell 0 to n: n from 1 to 64, p masks of 8 x 8 texels (low word first; bit 8 y + x), and
+//!           n depths that rise. Bit i of a texel's *turn* is its bit in mask i: which of the depths, from 0, is its own, or n: it is lit
+//!           throughout. Each depth is some texel's. Tiles of 8 x 8 texels alone ([`Turns`])
 //! 7 deep    a form's number: the plane half a slice behind its deepest point within each texel. With v + e instead of v, where
 //!           e = (|a| + |b|) / 2 rounded down + 2^shift / 2 rounded down + 2^shift / 256 rounded down; of a local light
 //!           e = (|a| + |b|) / 2 rounded down + 2^shift, and each slice but the first counts from the middle of the one before on
@@ -200,6 +201,115 @@ impl Form {
     }
 }
 
+/// A tile of masks: at which depths its texels turn dark.
+#[derive(Clone, Copy)]
+pub struct Turns<'a> {
+    depths: &'a [u32],
+    /// Bits of the texels' turns, two words each.
+    planes: &'a [[u32; 2]],
+}
+
+impl<'a> Turns<'a> {
+    /// Reads the node at a word of a pool.
+    #[inline(always)]
+    #[must_use]
+    pub fn read(pool: &'a [u32], at: usize) -> Self {
+        let count = pool[at] as usize;
+        let (planes, rest) = pool[at + 1..].split_at(2 * Self::planes_for(count));
+        Self { depths: &rest[..count], planes: planes.as_chunks().0 }
+    }
+
+    /// The words of a node of 1 to 64 depths that rise, each with the texels that are lit behind it.
+    pub fn to_words(turns: impl ExactSizeIterator<Item = (u32, u64)>) -> impl Iterator<Item = u32> {
+        let count = turns.len();
+        let mut words = [0; Self::MOST_WORDS];
+        let mut planes = [0u64; Self::MOST_PLANES];
+        let first_depth = 1 + 2 * Self::planes_for(count);
+        words[0] = count as u32;
+        for (word, (depth, lit)) in words[first_depth..].iter_mut().zip(turns) {
+            *word = depth;
+            // A texel turns as late as it is lit behind depths: count them, all texels at once.
+            let mut carry = lit;
+            for plane in &mut planes {
+                (*plane, carry) = (*plane ^ carry, *plane & carry);
+            }
+        }
+        for (words, plane) in words[1..first_depth].as_chunks_mut().0.iter_mut().zip(planes) {
+            *words = [plane as u32, (plane >> 32) as u32];
+        }
+        words.into_iter().take(Self::words_for(count))
+    }
+
+    /// Bits that can tell 0 to `count`.
+    #[inline(always)]
+    fn planes_for(count: usize) -> usize {
+        (usize::BITS - count.leading_zeros()) as usize
+    }
+
+    /// Words of a node of so many depths.
+    #[must_use]
+    pub fn words_for(count: usize) -> usize {
+        1 + 2 * Self::planes_for(count) + count
+    }
+
+    const MOST_PLANES: usize = 7;
+    /// Words of a node at most.
+    pub(super) const MOST_WORDS: usize = 1 + 2 * Self::MOST_PLANES + 64;
+
+    /// The depths.
+    #[inline(always)]
+    #[must_use]
+    pub fn depths(self) -> &'a [u32] {
+        self.depths
+    }
+
+    /// The masks, two words each.
+    #[must_use]
+    pub fn masks(self) -> &'a [[u32; 2]] {
+        self.planes
+    }
+
+    /// The depth at a texel, whose low bits count; `None` where it is lit throughout.
+    #[inline(always)]
+    #[must_use]
+    pub fn depth(self, [x, y]: [u32; 2]) -> Option<u32> {
+        let (word, bit) = ((y >> 2 & 1) as usize, 8 * (y & 3) + (x & 7));
+        let turn = self.planes.iter().rev().fold(0, |turn, plane| (turn << 1) | (plane[word] >> bit & 1));
+        self.depths.get(turn as usize).copied()
+    }
+
+    /// The texels that are lit in a slice: bit 8 y + x.
+    #[inline(always)]
+    #[must_use]
+    pub fn lit(self, slice: u32) -> u64 {
+        self.not_before(self.depths.iter().take_while(|depth| **depth <= slice).count() as u32)
+    }
+
+    /// The texels whose turn is one or a later one.
+    #[inline(always)]
+    fn not_before(self, turn: u32) -> u64 {
+        if turn >> self.planes.len() != 0 {
+            return 0;
+        }
+        // From the highest bit on: those that were less, and those that were the same.
+        let (mut before, mut same) = (0, u64::MAX);
+        for (i, plane) in self.planes.iter().enumerate().rev() {
+            let plane = u64::from(plane[0]) | (u64::from(plane[1]) << 32);
+            let bit = u64::from(turn >> i & 1).wrapping_neg();
+            before |= same & bit & !plane;
+            same &= !(bit ^ plane);
+        }
+        !before
+    }
+
+    /// Whether depths rise, to less than a count of slices, and each is some texel's, and no turn is greater than there are.
+    fn is_valid(self, slices: u32) -> bool {
+        let rise = self.depths.is_sorted() && self.depths.last().is_some_and(|depth| *depth < slices);
+        let of = |turn: usize| self.not_before(turn as u32);
+        rise && (0..self.depths.len()).all(|i| of(i) != of(i + 1)) && of(self.depths.len() + 1) == 0
+    }
+}
+
 /// A pool that is being checked: the roots' trees must follow one another in it.
 pub struct Check<'a> {
     pool: &'a [u32],
@@ -265,20 +375,15 @@ impl<'a> Check<'a> {
                 self.node(at, words.len())
             }
             Kind::Masks if level == MASK_LEVEL => {
-                let turns = self.node_words(at, 1)?[0] as usize;
-                if !(1..=64).contains(&turns) {
+                let count = self.node_words(at, 1)?[0] as usize;
+                if !(1..=64).contains(&count) {
                     return Err(FormatError::Malformed("a tile has an impossible number of masks"));
                 }
-                let words = self.node_words(at, 1 + 3 * turns)?;
-                let mut last = (0, u64::MAX);
-                for turn in words[1..].chunks_exact(3) {
-                    let mask = u64::from(turn[1]) | (u64::from(turn[2]) << 32);
-                    if turn[0] < last.0 || turn[0] >> self.log2 != 0 || mask & !last.1 != 0 {
-                        return Err(FormatError::Malformed("a tile's masks are out of order"));
-                    }
-                    last = (turn[0], mask);
+                let words = self.node_words(at, Turns::words_for(count))?;
+                if !Turns::read(words, 0).is_valid(1 << self.log2) {
+                    return Err(FormatError::Malformed("a tile's masks are out of order"));
                 }
-                self.counts.masks += turns as u64;
+                self.counts.masks += count as u64;
                 self.node(at, words.len())
             }
             _ => self.value(root),

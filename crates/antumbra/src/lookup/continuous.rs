@@ -7,9 +7,9 @@
 
 use glam::DVec3;
 
-use super::silhouette::{Plane, Value, descend, region, turn};
+use super::silhouette::{Plane, Value, descend, region};
 use super::top_grid::TopGrid;
-use crate::format::silhouette::{Form, Kind, kind};
+use crate::format::silhouette::{Form, Kind, Turns, kind, payload};
 use crate::format::slices::Spread;
 
 /// A place between texels and slices.
@@ -38,7 +38,7 @@ impl Between<'_> {
     fn is_lit(&self, pool: &[u32], leaf: u32) -> bool {
         let value = match kind(leaf) {
             Kind::Masks => {
-                return turn(pool, leaf, self.slice) >> (8 * (self.texel[1] & 7) + (self.texel[0] & 7)) & 1 != 0;
+                return Turns::read(pool, payload(leaf)).depth(self.texel).is_none_or(|depth| self.slice < depth);
             }
             Kind::Cut | Kind::Cross => region(pool, leaf, |edge| self.value(&edge, 0) >= 0.0),
             _ => leaf,

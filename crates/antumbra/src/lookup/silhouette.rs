@@ -1,7 +1,7 @@
 //! Lookups in the encoding [`silhouette`](crate::format::silhouette): a descent through a quadtree, then signs of edges and depths
 //! of planes, in whole numbers.
 
-use crate::format::silhouette::{Form, Kind, Pair, kind, payload, plane_of_pair};
+use crate::format::silhouette::{Form, Kind, Pair, Turns, kind, payload, plane_of_pair};
 use crate::format::slices::Spread;
 
 /// Descends from a tile of 2^`from` texels per side towards a texel, until a tile is no inner node or has 2^`to` texels per side.
@@ -99,7 +99,7 @@ pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread
     let (tile, _) = descend(pool, tile, level, 0, texel);
     let value = match kind(tile) {
         Kind::Cut | Kind::Cross => region(pool, tile, |edge| edge.at(texel) >= 0),
-        Kind::Masks => return depth_by_masks(pool, tile, texel, spread.count()),
+        Kind::Masks => return Turns::read(pool, payload(tile)).depth(texel).unwrap_or(spread.count()),
         _ => tile,
     };
     let of = |plane: Plane| plane.depth(plane.form.at(texel), spread);
@@ -108,23 +108,6 @@ pub(crate) fn depth(pool: &[u32], tile: u32, level: u32, texel: [u32; 2], spread
         Value::Plane(plane) => of(plane),
         Value::Pair { least, most, other } => of(most).min(other.map_or(u32::MAX, of)).max(least.map_or(0, of)),
     }
-}
-
-/// The texels of a tile of masks that are lit in a slice.
-#[inline]
-pub(crate) fn turn(pool: &[u32], tile: u32, slice: u32) -> u64 {
-    turns(pool, tile).take_while(|(depth, _)| *depth <= slice).last().map_or(u64::MAX, |(_, lit)| lit)
-}
-
-fn turns(pool: &[u32], tile: u32) -> impl Iterator<Item = (u32, u64)> + '_ {
-    let at = payload(tile);
-    let words = &pool[at + 1..at + 1 + 3 * pool[at] as usize];
-    words.chunks_exact(3).map(|turn| (turn[0], u64::from(turn[1]) | (u64::from(turn[2]) << 32)))
-}
-
-fn depth_by_masks(pool: &[u32], tile: u32, [x, y]: [u32; 2], slices: u32) -> u32 {
-    let bit = 8 * (y & 7) + (x & 7);
-    turns(pool, tile).find(|(_, lit)| lit >> bit & 1 == 0).map_or(slices, |(depth, _)| depth)
 }
 
 /// The least and the greatest first shadowed slice over a rectangle of a leaf's texels, both ends in it; of masks the whole range.
@@ -164,10 +147,9 @@ pub(crate) fn bounds_below(pool: &[u32], tile: u32, level: u32, corner: [u32; 2]
             [1, 2, 3].into_iter().map(child).fold(child(0), joint)
         }
         Kind::Masks => {
-            let never = spread.count();
-            let first = turns(pool, tile).next().map_or(never, |(depth, _)| depth);
-            let last = turns(pool, tile).last().map_or(never, |(depth, lit)| if lit == 0 { depth } else { never });
-            [first, last]
+            let turns = Turns::read(pool, payload(tile));
+            let (first, last) = (turns.depths()[0], turns.depths()[turns.depths().len() - 1]);
+            [first, if turns.lit(last) == 0 { last } else { spread.count() }]
         }
         _ => bounds(pool, tile, [corner, corner.map(|c| c + (1 << level) - 1)], spread),
     }

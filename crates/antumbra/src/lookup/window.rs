@@ -1,8 +1,8 @@
 //! Windows of silhouettes: which texels of a rectangle are lit in one slice. Leaf by leaf, since edges and planes are linear: a corner or two often
 //! answer for all of a leaf's part, and else each row of it is lit at one end.
 
-use super::silhouette::{Plane, Value, descend, middle, region, turn};
-use crate::format::silhouette::{Form, Kind, kind, payload};
+use super::silhouette::{Plane, Value, descend, middle, region};
+use crate::format::silhouette::{Form, Kind, Turns, kind, payload};
 use crate::format::slices::Spread;
 
 /// One slice of a face, at all of its texels or at every 2^`stride`-th along both axes: the middles of a coarse level's.
@@ -43,7 +43,7 @@ impl<'a> Slice<'a> {
         let (tile, _) = descend(self.pool, tile, level, 0, texel);
         let value = match kind(tile) {
             Kind::Cut | Kind::Cross => region(self.pool, tile, |edge| edge.at(texel) >= 0),
-            Kind::Masks => return turn(self.pool, tile, self.z) >> (8 * (texel[1] & 7) + (texel[0] & 7)) & 1 != 0,
+            Kind::Masks => return Turns::read(self.pool, payload(tile)).depth(texel).is_none_or(|depth| self.z < depth),
             _ => tile,
         };
         Value::read(self.pool, value, self.spread).is_lit(self.z, |plane| self.behind(*plane).at(texel) >= 0)
@@ -111,7 +111,7 @@ impl<'a> Slice<'a> {
                 let (a, b) = (left(0), left(1));
                 b.choose(|| a.choose(|| value(2), || value(3)), || a.choose(|| value(4), || value(5)))
             }
-            Kind::Masks => Lit::Rows(R::of_mask(self.mask_from(turn(self.pool, leaf, self.z), rectangle))),
+            Kind::Masks => Lit::Rows(R::of_mask(self.mask_from(Turns::read(self.pool, at).lit(self.z), rectangle))),
             _ => self.lit_of_value(leaf, rectangle),
         }
     }
