@@ -21,7 +21,7 @@ const ANTUMBRA_INNER: u32 = 3u;
 const ANTUMBRA_CUT: u32 = 4u;
 // Two edges, and four references: bit i of their order is set to the left of edge i.
 const ANTUMBRA_CROSS: u32 = 5u;
-// Depths by masks, 8 x 8 texels: how many, then each with a depth, and the texels that are lit behind it.
+// Depths by masks, 8 x 8 texels: how many, bits of the texels' turns, and depths.
 const ANTUMBRA_MASKS: u32 = 6u;
 // A plane half a slice behind its deepest point within each texel.
 const ANTUMBRA_DEEP: u32 = 7u;
@@ -210,20 +210,50 @@ fn antumbra_plane(part: u32, i: u32, is_even: bool) -> AntumbraForm {
     return form;
 }
 
-// The texels of a tile of masks that are lit in slice z.
-fn antumbra_turn(tile: u32, z: u32) -> vec2<u32> {
-    var at = antumbra_payload(tile);
-    let end = at + 1u + 3u * antumbra_word(at);
-    var lit = vec2(0xffffffffu);
-    for (at += 1u; at < end && antumbra_word(at) <= z; at += 3u) {
-        lit = vec2(antumbra_word(at + 1u), antumbra_word(at + 2u));
-    }
-    return lit;
+// A tile of masks: how many depths there are, where its masks begin, one for each bit of texels' turns, and where its depths do.
+struct AntumbraTurns {
+    count: u32,
+    masks: u32,
+    depths: u32,
 }
 
-fn antumbra_bit(mask: vec2<u32>, texel: vec2<u32>) -> bool {
-    let word = select(mask.x, mask.y, (texel.y & 4u) != 0u);
-    return ((word >> (8u * (texel.y & 3u) + (texel.x & 7u))) & 1u) != 0u;
+fn antumbra_turns(tile: u32) -> AntumbraTurns {
+    let at = antumbra_payload(tile);
+    let count = antumbra_word(at);
+    return AntumbraTurns(count, at + 1u, at + 1u + 2u * (32u - countLeadingZeros(count)));
+}
+
+// The first shadowed slice at a texel of a tile of masks, of N slices.
+fn antumbra_turn_depth(tile: u32, texel: vec2<u32>, slices: u32) -> u32 {
+    let turns = antumbra_turns(tile);
+    let bit = 8u * (texel.y & 3u) + (texel.x & 7u);
+    var turn = 0u;
+    for (var mask = turns.masks; mask < turns.depths; mask += 2u) {
+        turn |= ((antumbra_word(mask + ((texel.y >> 2u) & 1u)) >> bit) & 1u) << ((mask - turns.masks) >> 1u);
+    }
+    if turn == turns.count {
+        return slices;
+    }
+    return antumbra_word(turns.depths + turn);
+}
+
+// The texels of a tile of masks that are lit in slice z: those whose turn is not before the first depth behind it.
+fn antumbra_turn(tile: u32, z: u32) -> vec2<u32> {
+    let turns = antumbra_turns(tile);
+    var turn = 0u;
+    while turn < turns.count && antumbra_word(turns.depths + turn) <= z {
+        turn++;
+    }
+    // From the highest bit on: those that were less, and those that were the same.
+    var before = vec2(0u);
+    var same = vec2(0xffffffffu);
+    for (var mask = turns.depths; mask > turns.masks; mask -= 2u) {
+        let bits = vec2(antumbra_word(mask - 2u), antumbra_word(mask - 1u));
+        let is_set = ((turn >> ((mask - turns.masks - 2u) >> 1u)) & 1u) != 0u;
+        before |= select(vec2(0u), same & ~bits, is_set);
+        same &= select(~bits, bits, is_set);
+    }
+    return ~before;
 }
 
 // Whether a slice of the face is lit at one of its texels, below a tile of 2^level texels per side.
@@ -233,7 +263,7 @@ fn antumbra_tile_is_lit(start: u32, level: u32, texel: vec2<u32>, slice: Antumbr
         return slice.z < antumbra_payload(part);
     }
     if antumbra_kind(part) == ANTUMBRA_MASKS {
-        return antumbra_bit(antumbra_turn(part, slice.z), texel);
+        return slice.z < antumbra_turn_depth(part, texel, slice.z + 1u);
     }
     // Before the first plane, or before both others.
     let planes = antumbra_planes(part);
@@ -280,13 +310,7 @@ fn antumbra_depth(leaf: u32, texel: vec2<u32>, spread: AntumbraSpread) -> u32 {
         return at;
     }
     if antumbra_kind(part) == ANTUMBRA_MASKS {
-        let end = at + 1u + 3u * antumbra_word(at);
-        for (var turn = at + 1u; turn < end; turn += 3u) {
-            if !antumbra_bit(vec2(antumbra_word(turn + 1u), antumbra_word(turn + 2u)), texel) {
-                return antumbra_word(turn);
-            }
-        }
-        return 1u << spread.log2;
+        return antumbra_turn_depth(part, texel, 1u << spread.log2);
     }
     var depths = vec3(0u, 0u, 0xffffffffu);
     let planes = antumbra_planes(part);
@@ -303,26 +327,37 @@ fn antumbra_start(face: AntumbraFace, texel: vec2<u32>) -> AntumbraStart {
     if !ANTUMBRA_TOP_GRID {
         return AntumbraStart(face.root, log2_side);
     }
-    return AntumbraStart(antumbra_table(antumbra_grid_cell(face, texel)), log2_side - face.grid_log2);
+    // Behind all bounds.
+    let cells = face.grid + antumbra_squares_before(face.grid_log2 + 2u);
+    let cell = texel >> vec2(log2_side - face.grid_log2);
+    return AntumbraStart(antumbra_table(cells + (cell.y << face.grid_log2) + cell.x), log2_side - face.grid_log2);
 }
 
-// Where the cell of the top grid that holds one of the face's own texels begins: a tile, and its bounds.
-fn antumbra_grid_cell(face: AntumbraFace, texel: vec2<u32>) -> u32 {
-    let cell = texel >> vec2(face.log2_side + face.stride - face.grid_log2);
-    return face.grid + 2u * ((cell.y << face.grid_log2) + cell.x);
+// The top grid begins with bounds, one for each square of a quadtree: how many squares there are that are wider than those of which there
+// are 2^log2 per side.
+fn antumbra_squares_before(log2: u32) -> u32 {
+    return 0x55555555u & ((1u << (2u * log2)) - 1u);
+}
+
+// The bounds of the square that holds a texel, of 2^log2 per side on a face of 2^log2_side texels.
+fn antumbra_square(grid: u32, log2: u32, log2_side: u32, texel: vec2<u32>) -> u32 {
+    let square = texel >> vec2(log2_side - log2);
+    return antumbra_table(grid + antumbra_squares_before(log2) + (square.y << log2) + square.x);
 }
 
 const ANTUMBRA_IN_DOUBT: u32 = 0u;
 const ANTUMBRA_ALL_LIT: u32 = 1u;
 const ANTUMBRA_ALL_SHADOWED: u32 = 2u;
 
-// What a cell of the top grid knows of one of the face's own slices.
-fn antumbra_settled(face: AntumbraFace, texel: vec2<u32>, z: u32) -> u32 {
+// What the top grid knows of one of the face's own slices, about a texel: of the square of 2^level texels per side, or the least that there is.
+fn antumbra_settled(face: AntumbraFace, texel: vec2<u32>, level: u32, z: u32) -> u32 {
     if !ANTUMBRA_TOP_GRID {
         return ANTUMBRA_IN_DOUBT;
     }
-    let bounds = antumbra_table(antumbra_grid_cell(face, texel) + 1u);
-    return antumbra_settled_by(bounds, z, face.log2_side + face.stride);
+    let log2_side = face.log2_side + face.stride;
+    // Squares are quarters of cells and wider.
+    let log2 = min(log2_side - level, face.grid_log2 + 1u);
+    return antumbra_settled_by(antumbra_square(face.grid, log2, log2_side, texel), z, log2_side);
 }
 
 // The same by bounds, of a face of 2^log2_side texels per side.
@@ -348,7 +383,7 @@ fn antumbra_middle(c: vec2<u32>, stride: u32) -> vec2<u32> {
 fn antumbra_voxel_is_lit(face: AntumbraFace, voxel: vec3<u32>) -> bool {
     let texel = antumbra_middle(voxel.xy, face.stride);
     let slice = antumbra_slice_of(face, voxel.z);
-    let settled = antumbra_settled(face, texel, slice.z);
+    let settled = antumbra_settled(face, texel, 0u, slice.z);
     if settled != ANTUMBRA_IN_DOUBT {
         return settled == ANTUMBRA_ALL_LIT;
     }
@@ -380,7 +415,7 @@ fn antumbra_place_is_lit(face: AntumbraFace, voxel: vec3<u32>, place: vec3<f32>)
         return voxel.z < antumbra_payload(part);
     }
     if antumbra_kind(part) == ANTUMBRA_MASKS {
-        return antumbra_bit(antumbra_turn(part, voxel.z), voxel.xy);
+        return voxel.z < antumbra_turn_depth(part, voxel.xy, voxel.z + 1u);
     }
     // The values with which planes lie behind a whole slice are those of its end.
     let spread = antumbra_slices(face);

@@ -94,18 +94,15 @@ fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
     // The least level whose one tile holds the whole window.
     let different = (first.x ^ last.x) | (first.y ^ last.y);
     let joint = max(32u - countLeadingZeros(different), ANTUMBRA_MASK_LEVEL) + face.stride;
+    let settled = antumbra_settled(face, rectangle.xy, joint, slice.z);
+    if settled == ANTUMBRA_ALL_LIT {
+        return antumbra_rectangle_weight(w, w.first, w.last);
+    }
+    if settled == ANTUMBRA_ALL_SHADOWED {
+        return 0u;
+    }
     let is_shared = joint <= start.level;
     if is_shared {
-        var settled = ANTUMBRA_IN_DOUBT;
-        if is_in_cells {
-            settled = antumbra_settled(face, rectangle.xy, slice.z);
-        }
-        if settled == ANTUMBRA_ALL_LIT {
-            return antumbra_rectangle_weight(w, w.first, w.last);
-        }
-        if settled == ANTUMBRA_ALL_SHADOWED {
-            return 0u;
-        }
         start = antumbra_descend(start.node, start.level, joint, rectangle.xy);
         if antumbra_kind(start.node) != ANTUMBRA_INNER {
             let lit = antumbra_lit_over(start.node, rectangle, slice);
@@ -122,10 +119,15 @@ fn antumbra_window_weight(face: AntumbraFace, w: AntumbraWindow) -> u32 {
         for (var x = w.first.x & -8; x <= w.last.x; x += 8) {
             let corner = vec2(x, y);
             let tile = AntumbraTile(vec2<u32>(corner), face.stride, slice);
-            if !is_shared {
-                start = antumbra_start(face, antumbra_middle(tile.corner, face.stride));
+            let texel = antumbra_middle(tile.corner, face.stride);
+            let known = antumbra_settled(face, texel, ANTUMBRA_MASK_LEVEL + face.stride, slice.z);
+            var mask = vec2(select(0u, 0xffffffffu, known == ANTUMBRA_ALL_LIT));
+            if known == ANTUMBRA_IN_DOUBT {
+                if !is_shared {
+                    start = antumbra_start(face, texel);
+                }
+                mask = antumbra_tile_mask(start, tile, antumbra_window_mask(w, corner));
             }
-            let mask = antumbra_tile_mask(start, tile, antumbra_window_mask(w, corner));
             sum += antumbra_mask_weight(w, mask, corner);
         }
     }
@@ -144,11 +146,9 @@ fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 
     }
     let spread = antumbra_slices(face);
     let first = (voxel.z >> level) << level;
-    if level <= face.log2_side - face.grid_log2 {
-        let near = antumbra_settled(face, voxel.xy, first);
-        if near != ANTUMBRA_IN_DOUBT && near == antumbra_settled(face, voxel.xy, first + (1u << level) - 1u) {
-            return f32(near == ANTUMBRA_ALL_LIT);
-        }
+    let near = antumbra_settled(face, voxel.xy, level, first);
+    if near != ANTUMBRA_IN_DOUBT && near == antumbra_settled(face, voxel.xy, level, first + (1u << level) - 1u) {
+        return f32(near == ANTUMBRA_ALL_LIT);
     }
     let tile = antumbra_descend(start.node, start.level, level, voxel.xy);
     var log2_columns = min(level, ANTUMBRA_COLUMNS_LOG2);
@@ -171,26 +171,16 @@ fn antumbra_voxel_mean(face: AntumbraFace, voxel: vec3<u32>, level: u32) -> f32 
     return f32(lit >> dropped) * bitcast<f32>((127u + dropped - bits) << 23u);
 }
 
-// The box about a voxel of the volume in which all are alike: cells of the top grid before or behind all that they hold, or a column.
+// The box about a voxel of the volume in which all are alike: squares of the top grid before or behind all that they hold, or a column.
 fn antumbra_cell(walk: ptr<function, AntumbraWalk>, voxel: vec3<u32>) -> AntumbraCell {
     let log2_side = (*walk).log2_side;
-    let log2_cells = (*walk).grid_log2;
     let shift = antumbra_bounds_shift(log2_side);
+    let finest = log2_side - (*walk).grid_log2 - 1u;
     var is_found = false;
     var cell: AntumbraCell;
-    // Squares of 2^wider cells per side: behind the cells lie the bounds of those that are wider, one size after the other.
-    var begin = (*walk).grid + (2u << (2u * log2_cells));
-    for (var wider = 0u; ANTUMBRA_TOP_GRID && wider <= log2_cells; wider++) {
-        let level = log2_side - log2_cells + wider;
-        let log2 = log2_cells - wider;
+    for (var level = finest; ANTUMBRA_TOP_GRID && level <= log2_side; level++) {
         let square = voxel.xy >> vec2(level);
-        var at = begin + (square.y << log2) + square.x;
-        if wider == 0u {
-            at = (*walk).grid + 2u * ((square.y << log2) + square.x) + 1u;
-        } else {
-            begin += 1u << (2u * log2);
-        }
-        let bounds = antumbra_table(at);
+        let bounds = antumbra_square((*walk).grid, log2_side - level, log2_side, voxel.xy);
         let settled = antumbra_settled_by(bounds, voxel.z, log2_side);
         if settled == ANTUMBRA_IN_DOUBT {
             break;

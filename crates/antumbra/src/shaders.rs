@@ -245,7 +245,7 @@ impl Tables {
     fn grid(&mut self, made: &mut BTreeMap<*const TopGrid, u32>, grid: &TopGrid) -> u32 {
         *made.entry(core::ptr::from_ref(grid)).or_insert_with(|| {
             let at = self.words.len() as u32;
-            self.words.extend_from_slice(grid.cells());
+            self.words.extend_from_slice(grid.words());
             at
         })
     }

@@ -39,7 +39,8 @@ use miniz_oxide::deflate::core::{CompressionStrategy, CompressorOxide, TDEFLFlus
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::silhouette::{
-    FORM_WORDS, Form, HEADER_WORDS, Kind, MASK_LEVEL, MOST_PAYLOAD, Pair, Turns, kind, payload, plane_of_pair, reference,
+    FORM_WORDS, Form, HEADER_WORDS, Kind, MASK_LEVEL, MOST_PAYLOAD, Pair, Turns, kind, payload, plane_of_pair,
+    reference,
 };
 use crate::FormatError;
 

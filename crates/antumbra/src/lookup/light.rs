@@ -145,9 +145,9 @@ impl<'a> LightShadow<'a> {
         let grid = self.top_grid(face);
         if self.is_silhouette() {
             let [x, y, z] = voxel;
-            let (tile, settled) = grid.tile([x, y], z);
             let slice = || Slice::new(&self.file.pool, z, 0, self.spread());
-            return settled.unwrap_or_else(|| slice().is_lit(tile, grid.level, [x, y]));
+            let settled = grid.settled([x, y], z);
+            return settled.unwrap_or_else(|| slice().is_lit(grid.node(voxel), grid.level, [x, y]));
         }
         is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)
     }

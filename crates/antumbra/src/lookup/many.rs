@@ -109,9 +109,11 @@ pub(crate) fn visibility_of_silhouettes(
             Place::Lit => Some(true),
             Place::Unlit => Some(false),
             Place::At { face, voxel: [x, y, z] } => {
-                let (tile, settled) = grids[face].tile([x, y], z);
+                let grid = &grids[face];
+                let settled = grid.settled([x, y], z);
                 if settled.is_none() {
-                    descents.lanes[descents.count] = Lane { tile, level: grids[face].level, voxel: [x, y, z], answer };
+                    let (tile, level) = (grid.node([x, y, z]), grid.level);
+                    descents.lanes[descents.count] = Lane { tile, level, voxel: [x, y, z], answer };
                     descents.count += 1;
                 }
                 settled

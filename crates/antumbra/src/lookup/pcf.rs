@@ -153,21 +153,24 @@ impl<'a> Window<'a> {
         }
         let is_box = self.filter.kernel() != Kernel::Tent;
         let mut window = window::Window::new(first, is_box);
-        // Cells of the top grid, or all of a coarse level whose texels are wider than they.
+        // The squares of which most is known, or all of a coarse level whose texels are wider than they.
+        let squares = grid.level - 1;
+        let is_in_squares = stride < squares;
         let (cell, level) =
-            if stride < grid.level { (grid.level - stride, grid.level) } else { (grid.root.1 - stride, grid.root.1) };
+            if is_in_squares { (squares - stride, grid.level) } else { (grid.root.1 - stride, grid.root.1) };
         for y in first[1] >> cell..=last[1] >> cell {
             for x in first[0] >> cell..=last[0] >> cell {
                 let corner = [x, y].map(|c| c << cell);
                 let from = [0, 1].map(|axis| first[axis].max(corner[axis]));
                 let to = [0, 1].map(|axis| last[axis].min(corner[axis] + (1 << cell) - 1));
-                let (tile, settled) = match slice.middle(corner) {
-                    _ if stride >= grid.level => (grid.root.0, None),
-                    texel => grid.tile(texel, slice.z()),
-                };
+                let settled = if is_in_squares { grid.settled(slice.middle(corner), slice.z()) } else { None };
                 match settled {
                     Some(is_lit) => window.add_all([from, to], is_lit),
-                    None => slice.add_lit(&mut window, tile, level, [from, to]),
+                    None => {
+                        let [x, y] = slice.middle(corner);
+                        let tile = if is_in_squares { grid.node([x, y, 0]) } else { grid.root.0 };
+                        slice.add_lit(&mut window, tile, level, [from, to]);
+                    }
                 }
             }
         }

@@ -107,7 +107,7 @@ impl<'a> LightShadow<'a> {
             (self.record().roots[face], self.record().log2_resolution)
         };
         if self.is_silhouette() {
-            let settled = (level <= grid.level).then(|| grid.cube_is_lit(voxel, level)).flatten();
+            let settled = grid.cube_is_lit(voxel, level);
             let mean = || silhouette::mean(pool, (node, from), level, voxel, self.spread());
             return settled.map_or_else(mean, f32::from);
         }

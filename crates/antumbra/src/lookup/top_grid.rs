@@ -11,25 +11,25 @@ use crate::format::slices::Spread;
 /// log2 of the cells per side, where the light is large enough.
 pub(crate) const MAX_LOG2_CELLS: u32 = 5;
 
-/// log2 of the cells per side of a grid of tiles: 256 for a light of one face, 32 for those of a cube, where there may be hundreds; or more, while there are fewer
+/// log2 of the cells per side of a grid of tiles: 128 for a light of one face, 16 for those of a cube, where there may be hundreds; or more, while there are fewer
 /// than a sixteenth of the words in a face's share of the pool, where every level costs a miss of the cache.
 pub(crate) fn flat_log2(log2_cells: u32, words_per_face: usize) -> u32 {
-    let least = if log2_cells == MAX_LOG2_CELLS { 8 } else { log2_cells + 1 };
+    let least = if log2_cells == MAX_LOG2_CELLS { 7 } else { log2_cells };
     (words_per_face / 16).checked_ilog2().map_or(least, |log2| least.max(log2 / 2))
 }
 
 /// References to the nodes at the level with min(32, N/8) nodes per side (or fewer, where many grids are made), x fastest,
 /// z slowest: 128 KiB at N >= 256. A homogeneous face has a single cell.
 ///
-/// Of silhouettes cells are tiles, and each has a second word: the slice up to which all of it is lit, and in the upper half that from which on
-/// all is shadowed, both in units of 2^`bounds_shift` slices. They answer for most points, of surfaces or in the air, without a descent. Bounds of four
-/// cells, of sixteen and so on up to the whole face follow, a word each: walks through the air need few steps.
+/// Of silhouettes cells are tiles, and *bounds* come before them: for each square of a quadtree, from the whole face down to the quarters of
+/// cells, the slice up to which all of it is lit, and in the upper half of the word that from which on all is shadowed, both in units of
+/// 2^`bounds_shift` slices. They answer for most points, of surfaces or in the air, without a descent, and walks through the air need few steps.
 #[derive(Clone, Debug)]
 pub(crate) struct TopGrid {
-    cells: Vec<u32>,
+    words: Vec<u32>,
+    /// Where cells begin.
+    first_cell: usize,
     log2_cells: u32,
-    /// log2 of the words per cell.
-    log2_words: u32,
     /// Bits to shift a slice right by for its cell; so many that none is left where cells are tiles.
     z_shift: u32,
     /// log2 of the voxels per side of a cell's node.
@@ -47,12 +47,12 @@ impl TopGrid {
         let log2_cells = most.min(log2_resolution - SLICE_LEVEL);
         let level = log2_resolution - log2_cells;
         let side = 1u32 << log2_cells;
-        let cells = (0..side.pow(3))
+        let words = (0..side.pow(3))
             .map(|i| [i % side, i / side % side, i / (side * side)].map(|c| c << level))
             .map(|corner| descend(pool, root, log2_resolution, level, corner))
             .collect();
         let root = (root, log2_resolution);
-        Self { cells, log2_cells, log2_words: 0, z_shift: level, level, bounds_shift: 0, root }
+        Self { words, first_cell: 0, log2_cells, z_shift: level, level, bounds_shift: 0, root }
     }
 
     /// The same of silhouettes: cells are tiles, whose level that of the grid is at least.
@@ -62,106 +62,109 @@ impl TopGrid {
         let level = log2_resolution - log2_cells;
         let side = 1u32 << log2_cells;
         let bounds_shift = bounds_shift(log2_resolution);
-        let cell = |corner| {
-            let (tile, _) = silhouette::descend(pool, root, log2_resolution, level, corner);
-            let [least, greatest] = silhouette::bounds_below(pool, tile, level, corner, spread);
-            let greatest = (greatest + ((1 << bounds_shift) - 1)) >> bounds_shift;
-            [tile, (least >> bounds_shift) | (greatest << 16)]
-        };
-        let cells = (0..side * side).flat_map(|i| cell([i % side, i / side].map(|c| c << level))).collect();
-        let root = (root, log2_resolution);
-        let mut grid = Self { cells, log2_cells, log2_words: 1, z_shift: u32::BITS - 1, level, bounds_shift, root };
-        for wider in 1..=log2_cells {
-            let side = side >> wider;
-            for i in 0..side * side {
-                let corner = [i % side, i / side].map(|c| c << (level + wider));
-                let half = 1 << (level + wider - 1);
-                let part = |i: u32| grid.bounds(wider - 1, [corner[0] + (i & 1) * half, corner[1] + (i >> 1) * half]);
-                let all = [1, 2, 3]
-                    .map(part)
-                    .into_iter()
-                    .fold(part(0), |a, b| (a & 0xffff).min(b & 0xffff) | ((a >> 16).max(b >> 16) << 16));
-                grid.cells.push(all);
+        let finest = log2_cells + 1;
+        let first_cell = squares_before(finest + 1);
+        let cells = (0..side * side).map(|i| {
+            let corner = [i % side, i / side].map(|c| c << level);
+            silhouette::descend(pool, root, log2_resolution, level, corner)
+        });
+        let mut words = alloc::vec![0; first_cell];
+        let mut in_cells = Vec::with_capacity((side * side) as usize);
+        for (i, (tile, at)) in (0..).zip(cells) {
+            in_cells.push(tile);
+            for quarter in 0..4u32 {
+                let [x, y] = [2 * (i % side) + (quarter & 1), 2 * (i / side) + (quarter >> 1)];
+                let corner = [x, y].map(|c| c << (level - 1));
+                let (tile, _) = silhouette::descend(pool, tile, at, level - 1, corner);
+                let [least, greatest] = silhouette::bounds_below(pool, tile, level - 1, corner, spread);
+                let greatest = (greatest + ((1 << bounds_shift) - 1)) >> bounds_shift;
+                words[squares_before(finest) + ((y << finest) + x) as usize] =
+                    (least >> bounds_shift) | (greatest << 16);
             }
         }
-        grid
+        for log2 in (0..finest).rev() {
+            for i in 0..1u32 << (2 * log2) {
+                let [x, y] = [i & ((1 << log2) - 1), i >> log2];
+                let part = |i: u32| {
+                    let [x, y] = [2 * x + (i & 1), 2 * y + (i >> 1)];
+                    words[squares_before(log2 + 1) + ((y << (log2 + 1)) + x) as usize]
+                };
+                let joint = |a: u32, b: u32| (a & 0xffff).min(b & 0xffff) | ((a >> 16).max(b >> 16) << 16);
+                words[squares_before(log2) + i as usize] = [1, 2, 3].map(part).into_iter().fold(part(0), joint);
+            }
+        }
+        words.extend(in_cells);
+        let root = (root, log2_resolution);
+        Self { words, first_cell, log2_cells, z_shift: u32::BITS - 1, level, bounds_shift, root }
     }
 
-    /// The references, and of silhouettes the bounds.
-    pub(crate) fn cells(&self) -> &[u32] {
-        &self.cells
+    /// Its words: the bounds of silhouettes, and the references.
+    pub(crate) fn words(&self) -> &[u32] {
+        &self.words
     }
 
     /// The node that holds a voxel of the light's volume.
     #[inline(always)]
-    pub(crate) fn node(&self, voxel: [u32; 3]) -> u32 {
-        self.cells[self.place(voxel)]
-    }
-
-    /// Where the cell that holds a voxel begins.
-    #[inline(always)]
-    fn place(&self, [x, y, z]: [u32; 3]) -> usize {
+    pub(crate) fn node(&self, [x, y, z]: [u32; 3]) -> u32 {
         let (level, bits) = (self.level, self.log2_cells);
         let cell = ((((z >> self.z_shift) << bits) + (y >> level)) << bits) + (x >> level);
-        (cell << self.log2_words) as usize
+        self.words[self.first_cell + cell as usize]
     }
 
-    /// Of silhouettes: the tile that holds a texel, and whether its slice z is all lit or all shadowed, where that is known.
+    /// Of silhouettes: whether slice z is all lit or all shadowed about a texel, where that is known.
     #[inline(always)]
-    pub(crate) fn tile(&self, [x, y]: [u32; 2], z: u32) -> (u32, Option<bool>) {
-        let place = self.place([x, y, 0]);
-        (self.cells[place], self.settled(self.cells[place + 1], z))
+    pub(crate) fn settled(&self, texel: [u32; 2], z: u32) -> Option<bool> {
+        self.settled_by(self.bounds(self.level - 1, texel), z)
     }
 
     /// Whether slice z is all lit or all shadowed, if bounds say so.
     #[inline(always)]
-    fn settled(&self, bounds: u32, z: u32) -> Option<bool> {
+    fn settled_by(&self, bounds: u32, z: u32) -> Option<bool> {
         let z = z >> self.bounds_shift;
         let is_lit = z < bounds & 0xffff;
         (is_lit || z >= bounds >> 16).then_some(is_lit)
     }
 
-    /// Of silhouettes: bounds of the square of 2^`wider` cells per side that holds a texel.
-    #[inline]
-    fn bounds(&self, wider: u32, [x, y]: [u32; 2]) -> u32 {
-        if wider == 0 {
-            return self.cells[self.place([x, y, 0]) + 1];
-        }
-        let log2 = self.log2_cells - wider;
-        // Cells come first, then all squares that are smaller.
-        let begin = (2 << (2 * self.log2_cells)) + ((1 << (2 * self.log2_cells)) - (4 << (2 * log2))) / 3;
-        let level = self.level + wider;
-        self.cells[begin + ((y >> level << log2) + (x >> level)) as usize]
+    /// Of silhouettes: bounds of the square of 2^`level` texels per side that holds a texel, at least a quarter of a cell.
+    #[inline(always)]
+    fn bounds(&self, level: u32, [x, y]: [u32; 2]) -> u32 {
+        let log2 = self.root.1 - level;
+        self.words[squares_before(log2) + ((y >> level << log2) + (x >> level)) as usize]
     }
 
     /// Of silhouettes: whether slice z is all lit or all shadowed from one texel to another, if the least square that holds both says so.
     #[inline]
     pub(crate) fn is_lit_between(&self, first: [u32; 2], last: [u32; 2], z: u32) -> Option<bool> {
         let joint = u32::BITS - ((first[0] ^ last[0]) | (first[1] ^ last[1])).leading_zeros();
-        let wider = joint.saturating_sub(self.level);
-        self.settled(self.bounds(wider, first), z)
+        self.settled_by(self.bounds(joint.max(self.level - 1), first), z)
     }
 
-    /// Of silhouettes: the widest square of cells about a texel which is known to be all lit or all shadowed in slice z: log2 of its texels per side, which of
+    /// Of silhouettes: the widest square about a texel which is known to be all lit or all shadowed in slice z: log2 of its texels per side, which of
     /// both, and where the slices begin and end in which it is.
     pub(crate) fn widest(&self, texel: [u32; 2], z: u32) -> Option<(u32, bool, [u32; 2])> {
         let mut found = None;
-        for wider in 0..=self.log2_cells {
-            let bounds = self.bounds(wider, texel);
-            let Some(is_lit) = self.settled(bounds, z) else { break };
+        for level in self.level - 1..=self.root.1 {
+            let bounds = self.bounds(level, texel);
+            let Some(is_lit) = self.settled_by(bounds, z) else { break };
             let [least, greatest] = [bounds & 0xffff, bounds >> 16].map(|bound| bound << self.bounds_shift);
-            found = Some((self.level + wider, is_lit, if is_lit { [0, least] } else { [greatest, 1 << self.root.1] }));
+            found = Some((level, is_lit, if is_lit { [0, least] } else { [greatest, 1 << self.root.1] }));
         }
         found
     }
 
-    /// Of silhouettes: whether the cube of 2^`level` voxels per side that holds a voxel is all lit or all shadowed, where that is known; it is no larger
-    /// than a cell.
+    /// Of silhouettes: whether the cube of 2^`level` voxels per side that holds a voxel is all lit or all shadowed, where that is known.
     pub(crate) fn cube_is_lit(&self, [x, y, z]: [u32; 3], level: u32) -> Option<bool> {
+        let bounds = self.bounds(level.max(self.level - 1), [x, y]);
         let first = z >> level << level;
-        let [near, far] = [first, first + ((1 << level) - 1)].map(|z| self.tile([x, y], z).1);
+        let [near, far] = [first, first + ((1 << level) - 1)].map(|z| self.settled_by(bounds, z));
         near.filter(|_| near == far)
     }
+}
+
+/// How many squares of the quadtree there are that are wider than those of which there are 2^`log2` per side.
+#[inline(always)]
+fn squares_before(log2: u32) -> usize {
+    (0x5555_5555 & ((1u32 << (2 * log2)) - 1)) as usize
 }
 
 /// Bits by which bounds are shifted, so that N fits into 16.

@@ -43,7 +43,9 @@ impl<'a> Slice<'a> {
         let (tile, _) = descend(self.pool, tile, level, 0, texel);
         let value = match kind(tile) {
             Kind::Cut | Kind::Cross => region(self.pool, tile, |edge| edge.at(texel) >= 0),
-            Kind::Masks => return Turns::read(self.pool, payload(tile)).depth(texel).is_none_or(|depth| self.z < depth),
+            Kind::Masks => {
+                return Turns::read(self.pool, payload(tile)).depth(texel).is_none_or(|depth| self.z < depth);
+            }
             _ => tile,
         };
         Value::read(self.pool, value, self.spread).is_lit(self.z, |plane| self.behind(*plane).at(texel) >= 0)
