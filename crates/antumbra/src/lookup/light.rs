@@ -146,7 +146,7 @@ impl<'a> LightShadow<'a> {
         if self.is_silhouette() {
             let [x, y, z] = voxel;
             let slice = || Slice::new(&self.file.pool, z, 0, self.spread());
-            let settled = grid.settled([x, y], z);
+            let settled = grid.settled(0, [x, y], z);
             return settled.unwrap_or_else(|| slice().is_lit(grid.node(voxel), grid.level, [x, y]));
         }
         is_lit(&self.file.pool, grid.node(voxel), grid.level, voxel)

@@ -110,7 +110,7 @@ pub(crate) fn visibility_of_silhouettes(
             Place::Unlit => Some(false),
             Place::At { face, voxel: [x, y, z] } => {
                 let grid = &grids[face];
-                let settled = grid.settled([x, y], z);
+                let settled = grid.settled(0, [x, y], z);
                 if settled.is_none() {
                     let (tile, level) = (grid.node([x, y, z]), grid.level);
                     descents.lanes[descents.count] = Lane { tile, level, voxel: [x, y, z], answer };

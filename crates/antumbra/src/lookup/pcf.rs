@@ -9,6 +9,7 @@ use super::point::{child, descend, slice_mask};
 use super::top_grid::TopGrid;
 use super::window::{self, Slice};
 use crate::format::dag8::{LIT, SHADOWED, SLICE_LEVEL};
+use crate::format::silhouette::MASK_LEVEL;
 use crate::format::slices::Spread;
 
 /// Texels per side of a mask.
@@ -153,8 +154,8 @@ impl<'a> Window<'a> {
         }
         let is_box = self.filter.kernel() != Kernel::Tent;
         let mut window = window::Window::new(first, is_box);
-        // The squares of which most is known, or all of a coarse level whose texels are wider than they.
-        let squares = grid.level - 1;
+        // The least squares of which something is known, of 8 x 8 texels at least, or all of a coarse level whose texels are wider than they.
+        let squares = (grid.level - 1).max(MASK_LEVEL);
         let is_in_squares = stride < squares;
         let (cell, level) =
             if is_in_squares { (squares - stride, grid.level) } else { (grid.root.1 - stride, grid.root.1) };
@@ -163,7 +164,7 @@ impl<'a> Window<'a> {
                 let corner = [x, y].map(|c| c << cell);
                 let from = [0, 1].map(|axis| first[axis].max(corner[axis]));
                 let to = [0, 1].map(|axis| last[axis].min(corner[axis] + (1 << cell) - 1));
-                let settled = if is_in_squares { grid.settled(slice.middle(corner), slice.z()) } else { None };
+                let settled = if is_in_squares { grid.settled(squares, slice.middle(corner), slice.z()) } else { None };
                 match settled {
                     Some(is_lit) => window.add_all([from, to], is_lit),
                     None => {

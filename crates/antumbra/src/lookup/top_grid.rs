@@ -111,10 +111,11 @@ impl TopGrid {
         self.words[self.first_cell + cell as usize]
     }
 
-    /// Of silhouettes: whether slice z is all lit or all shadowed about a texel, where that is known.
+    /// Of silhouettes: whether slice z is all lit or all shadowed about a texel, where that is known: in the square of 2^`level` texels per
+    /// side that holds it, or the least that there is.
     #[inline(always)]
-    pub(crate) fn settled(&self, texel: [u32; 2], z: u32) -> Option<bool> {
-        self.settled_by(self.bounds(self.level - 1, texel), z)
+    pub(crate) fn settled(&self, level: u32, texel: [u32; 2], z: u32) -> Option<bool> {
+        self.settled_by(self.bounds(level, texel), z)
     }
 
     /// Whether slice z is all lit or all shadowed, if bounds say so.
@@ -125,9 +126,10 @@ impl TopGrid {
         (is_lit || z >= bounds >> 16).then_some(is_lit)
     }
 
-    /// Of silhouettes: bounds of the square of 2^`level` texels per side that holds a texel, at least a quarter of a cell.
+    /// Of silhouettes: bounds of the square of 2^`level` texels per side that holds a texel, or of the quarter of a cell, which is the least.
     #[inline(always)]
     fn bounds(&self, level: u32, [x, y]: [u32; 2]) -> u32 {
+        let level = level.max(self.level - 1);
         let log2 = self.root.1 - level;
         self.words[squares_before(log2) + ((y >> level << log2) + (x >> level)) as usize]
     }
@@ -136,7 +138,7 @@ impl TopGrid {
     #[inline]
     pub(crate) fn is_lit_between(&self, first: [u32; 2], last: [u32; 2], z: u32) -> Option<bool> {
         let joint = u32::BITS - ((first[0] ^ last[0]) | (first[1] ^ last[1])).leading_zeros();
-        self.settled_by(self.bounds(joint.max(self.level - 1), first), z)
+        self.settled(joint, first, z)
     }
 
     /// Of silhouettes: the widest square about a texel which is known to be all lit or all shadowed in slice z: log2 of its texels per side, which of
@@ -154,7 +156,7 @@ impl TopGrid {
 
     /// Of silhouettes: whether the cube of 2^`level` voxels per side that holds a voxel is all lit or all shadowed, where that is known.
     pub(crate) fn cube_is_lit(&self, [x, y, z]: [u32; 3], level: u32) -> Option<bool> {
-        let bounds = self.bounds(level.max(self.level - 1), [x, y]);
+        let bounds = self.bounds(level, [x, y]);
         let first = z >> level << level;
         let [near, far] = [first, first + ((1 << level) - 1)].map(|z| self.settled_by(bounds, z));
         near.filter(|_| near == far)
