@@ -459,3 +459,52 @@ impl<'a> Check<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of one depth to 64: what the bits of turns say is what a mask for each depth says, and nodes that are not quite so are refused.
+    #[test]
+    fn turns_are_masks_of_lit_texels() {
+        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+        let mut random = |below: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) % below
+        };
+        for count in (1..=64usize).cycle().take(640) {
+            // Each texel's turn, of which each but the last is some texel's.
+            let turn_of: Vec<usize> =
+                (0..64).map(|i| if i < count { i } else { random(count as u64 + 1) as usize }).collect();
+            let masks: Vec<(u32, u64)> = (0..count)
+                .map(|turn| {
+                    let lit = (0..64).filter(|i| turn_of[*i] > turn).fold(0, |lit, i| lit | 1u64 << i);
+                    (7 * turn as u32 + 3, lit)
+                })
+                .collect();
+            let mut words: Vec<u32> = Turns::to_words(masks.iter().copied()).collect();
+            assert_eq!(words.len(), Turns::words_for(count));
+            let turns = Turns::read(&words, 0);
+            assert!(turns.is_valid(512) && !turns.is_valid(7 * (count as u32 - 1) + 3));
+            for slice in 0..460 {
+                let lit =
+                    masks.iter().take_while(|(depth, _)| *depth <= slice).last().map_or(u64::MAX, |(_, lit)| *lit);
+                assert_eq!(turns.lit(slice), lit, "{count} depths, slice {slice}");
+            }
+            for (i, turn) in (0..).zip(&turn_of) {
+                assert_eq!(turns.depth([i & 7, i >> 3]), masks.get(*turn).map(|(depth, _)| *depth));
+            }
+            // A turn that is no texel's, and one that is greater than there are.
+            let unused = (0..64u32).filter(|i| turn_of[*i as usize] == 0);
+            let bit = |i: u32| (1 + (i >> 5) as usize, 1u32 << (i & 31));
+            let mut other = words.clone();
+            for i in unused {
+                other[bit(i).0] |= bit(i).1;
+            }
+            assert!(!Turns::read(&other, 0).is_valid(512), "{count} depths, none turns at the first");
+            let last = words.len() - count;
+            words[1..last].fill(u32::MAX);
+            assert!(!Turns::read(&words, 0).is_valid(512));
+        }
+    }
+}
