@@ -223,8 +223,8 @@ fn what_the_encoding_does_not_know_is_refused() {
     };
     let others = refused(BakeOptions { method: Method::Kampe2015, ..options(Interior::Auto, 64, 1) });
     assert!(matches!(others, Err(BakeError::Method("kampe2015"))));
-    let small = BakeOptions { memory_limit: Some(15 << 20), ..options(Interior::Open, 8192, 1) };
-    assert!(matches!(refused(small), Err(BakeError::Memory { .. })));
+    let small = BakeOptions { memory_limit: Some(8 << 20), ..options(Interior::Open, 8192, 1) };
+    assert!(matches!(refused(small), Err(BakeError::Memory { stage: "building", .. })));
     // 65 tables of a million slices each: more than readers hold.
     let lamps: Vec<Light> = (0..65).map(|i| lamp([3.0, 12.0, -4.0], 80.0 + f64::from(i))).collect();
     let encoding = Some(Encoding::Silhouette);

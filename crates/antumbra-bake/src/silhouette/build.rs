@@ -1,4 +1,4 @@
-//! The recursion: tiles down, sketches up, on many threads.
+//! The recursion: tiles down, sketches up, on many threads; what grows no more becomes part of a tree.
 
 use std::sync::Mutex;
 use std::sync::PoisonError;
@@ -13,6 +13,7 @@ use super::form::{Plane, Side, Surface};
 use super::gap::{Gap, add_planes};
 use super::leaf;
 use super::sketch::{Set, Sketch};
+use super::tree::Tree;
 use crate::columns::{Build, BuildError, Entry, LEAF_LOG2, Leaf, LeafScratch, Settled, Tile, root_entries, split};
 
 /// Tiles whose lists are longer than this share of all triangles are split over threads.
@@ -22,11 +23,14 @@ const SPLIT_LEVELS: u32 = 5;
 /// Tiles of this size may rest.
 const PAUSE_LOG2: u32 = 5;
 
-/// Sketches one face of a light.
+/// Bytes of sketches that are written in one go, at least: parts share no choice of depths.
+const PART_BYTES: u64 = 1 << 20;
+
+/// Builds one face of a light.
 ///
 /// # Errors
 /// [`BuildError`].
-pub(crate) fn sketch(build: &Build<'_>) -> Result<Sketch, BuildError> {
+pub(crate) fn build(build: &Build<'_>) -> Result<Tree, BuildError> {
     let resolution = build.resolution();
     let root = Tile::root(resolution);
     let entries = root_entries(build);
@@ -41,14 +45,54 @@ pub(crate) fn sketch(build: &Build<'_>) -> Result<Sketch, BuildError> {
         held: AtomicU64::new(0),
         is_out_of_memory: AtomicBool::new(false),
     };
-    let sketch = shared.tile(root, entries, resolution.texels());
+    let tree = shared.tile(root, entries, resolution.texels()).written(&shared);
     if shared.is_out_of_memory.load(Ordering::Relaxed) {
         return Err(BuildError::MemoryLimit);
     }
     if shared.stopped.load(Ordering::Relaxed) {
         return Err(BuildError::Cancelled);
     }
-    Ok(sketch)
+    Ok(tree)
+}
+
+/// A tile so far.
+enum Grown {
+    /// It may become part of a greater one, or be written with its neighbours. With the bytes of its inner tiles.
+    Sketch(Sketch, u64),
+    Tree(Tree),
+}
+
+impl Grown {
+    /// A sketch, or a tree if it grows no more and is worth it.
+    fn new(sketch: Sketch, bytes: u64, shared: &Shared<'_>) -> Self {
+        let grown = Self::Sketch(sketch, bytes);
+        if bytes < PART_BYTES { grown } else { Self::Tree(grown.written(shared)) }
+    }
+
+    fn written(self, shared: &Shared<'_>) -> Tree {
+        match self {
+            Self::Tree(tree) => tree,
+            Self::Sketch(sketch, bytes) => {
+                let tree = Tree::new(sketch, &shared.forms, shared.build.pause);
+                shared.hold(tree.bytes());
+                shared.held.fetch_sub(bytes, Ordering::Relaxed);
+                tree
+            }
+        }
+    }
+
+    /// A tile of four.
+    fn of(children: [Self; 4], tile: Tile, shared: &Shared<'_>) -> Self {
+        match children {
+            [Self::Sketch(a, i), Self::Sketch(b, j), Self::Sketch(c, k), Self::Sketch(d, l)] => {
+                let sketch = shared.with_worker(|worker| Sketch::of([a, b, c, d], tile, &mut worker.candidates));
+                let own = sketch.own_bytes();
+                shared.hold(own);
+                Self::new(sketch, i + j + k + l + own, shared)
+            }
+            children => Self::Tree(Tree::Inner(Box::new(children.map(|child| child.written(shared))))),
+        }
+    }
 }
 
 struct Shared<'a> {
@@ -59,30 +103,34 @@ struct Shared<'a> {
     workers: Mutex<Vec<Worker<'a>>>,
     stopped: AtomicBool,
     done: AtomicU64,
-    /// Bytes of sketches that no longer change.
+    /// Bytes of sketches and trees.
     held: AtomicU64,
     is_out_of_memory: AtomicBool,
 }
 
 impl<'a> Shared<'a> {
-    fn tile(&self, tile: Tile, mut entries: Vec<Entry>, clamp: u32) -> Sketch {
+    fn tile(&self, tile: Tile, mut entries: Vec<Entry>, clamp: u32) -> Grown {
         let settled = self.build.rules().settle(tile, &mut entries, clamp);
         let clamp = match settled {
             Settled::Mixed { clamp } | Settled::Face { clamp, .. } if self.is_split(tile, entries.len()) => clamp,
             _ => {
-                let sketch = self.with_worker(|worker| worker.settled(tile, &entries, settled));
+                let (sketch, bytes) = self.with_worker(|worker| {
+                    let sketch = worker.settled(tile, &entries, settled);
+                    (sketch, std::mem::take(&mut worker.bytes))
+                });
+                self.hold(bytes);
                 self.report(tile);
-                return sketch;
+                return Grown::new(sketch, bytes, self);
             }
         };
         let mut lists = [const { Vec::new() }; 4];
         split(self.build.arch(), self.build, tile, &entries, &mut lists);
         drop(entries);
-        let children: Vec<Sketch> =
+        let children: Vec<Grown> =
             lists.into_par_iter().enumerate().map(|(i, list)| self.tile(tile.child(i as u32), list, clamp)).collect();
-        match <[Sketch; 4]>::try_from(children) {
-            Ok(children) => self.with_worker(|worker| Sketch::of(children, tile, &mut worker.candidates)),
-            Err(_) => lit(self.build.resolution().texels()),
+        match <[Grown; 4]>::try_from(children) {
+            Ok(children) => Grown::of(children, tile, self),
+            Err(_) => Grown::Sketch(lit(self.build.resolution().texels()), 0),
         }
     }
 
@@ -90,20 +138,24 @@ impl<'a> Shared<'a> {
         tile.log2 > self.split_log2 || (list > self.split_length && tile.log2 > LEAF_LOG2 + 2)
     }
 
-    fn with_worker(&self, work: impl FnOnce(&mut Worker<'a>) -> Sketch) -> Sketch {
+    fn with_worker<R>(&self, work: impl FnOnce(&mut Worker<'a>) -> R) -> R {
         let workers = || self.workers.lock().unwrap_or_else(PoisonError::into_inner);
         let idle = workers().pop();
         let mut worker = idle.unwrap_or_else(|| Worker::new(self.build, self.forms));
         worker.stopped = self.stopped.load(Ordering::Relaxed);
-        let sketch = work(&mut worker);
-        let held = self.held.fetch_add(std::mem::take(&mut worker.held), Ordering::Relaxed);
-        if held > self.build.memory_limit {
-            self.is_out_of_memory.store(true, Ordering::Relaxed);
-            worker.stopped = true;
-        }
+        let done = work(&mut worker);
         self.stopped.fetch_or(worker.stopped, Ordering::Relaxed);
         workers().push(worker);
-        sketch
+        done
+    }
+
+    /// Counts bytes that are held from now on.
+    fn hold(&self, bytes: u64) {
+        let held = self.held.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        if held > self.build.memory_limit {
+            self.is_out_of_memory.store(true, Ordering::Relaxed);
+            self.stopped.store(true, Ordering::Relaxed);
+        }
     }
 
     fn report(&self, tile: Tile) {
@@ -125,8 +177,8 @@ struct Worker<'a> {
     gap: Gap,
     lists: Vec<[Vec<Entry>; 4]>,
     leaf: LeafScratch,
-    /// Bytes of sketches that no longer change, not yet told.
-    held: u64,
+    /// Bytes of the inner tiles of the sketch in the making.
+    bytes: u64,
     stopped: bool,
 }
 
@@ -134,7 +186,7 @@ impl<'a> Worker<'a> {
     fn new(build: &'a Build<'a>, forms: Forms<'a>) -> Self {
         let lists = (0..=build.resolution().log2()).map(|_| [const { Vec::new() }; 4]).collect();
         let (candidates, leaf) = (Candidates::new(forms), LeafScratch::new(build.arch()));
-        Self { build, forms, candidates, gap: Gap::default(), lists, leaf, held: 0, stopped: false }
+        Self { build, forms, candidates, gap: Gap::default(), lists, leaf, bytes: 0, stopped: false }
     }
 
     fn settled(&mut self, tile: Tile, entries: &[Entry], settled: Settled) -> Sketch {
@@ -205,7 +257,7 @@ impl<'a> Worker<'a> {
         });
         self.lists[tile.log2 as usize] = lists;
         let sketch = Sketch::of(children, tile, &mut self.candidates);
-        self.held += sketch.own_bytes();
+        self.bytes += sketch.own_bytes();
         sketch
     }
 }

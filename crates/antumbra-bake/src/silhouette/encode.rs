@@ -1,154 +1,20 @@
-//! From sketches to the words of a pool: [`antumbra::format::silhouette`].
+//! From trees to the words of a pool: [`antumbra::format::silhouette`].
 
 use std::ops::Range;
 
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::silhouette::{
-    FORM_WORDS, Form, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, Turns, kind, payload, plane_of_pair, reference,
+    FORM_WORDS, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, kind, payload, plane_of_pair, reference,
 };
-use arrayvec::ArrayVec;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::accept::Forms;
-use super::form::{Plane, Second};
-use super::sketch::{Set, Sketch};
+use super::tree::{Part, Tree, number};
 use crate::dag::{EncodeError, Encoded};
 use crate::pause::Pause;
 
-/// Depths that are chosen again if they will do.
-const RECENT: usize = 64;
-
-/// Inner tiles that are written between two rests.
-const REST_TILES: u32 = 1 << 10;
-
-/// One face's tree: its nodes begin at word 0, its forms at number 0.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Tree {
-    forms: Vec<Form>,
-    nodes: Vec<u32>,
-    root: u32,
-}
-
-/// A pool that grows face by face.
-#[derive(Default)]
-struct Pool {
-    forms: Vec<Form>,
-    numbers: FxHashMap<Form, u32>,
-    words: Vec<u32>,
-}
-
-impl Tree {
-    /// Chooses depths. The sketch is gone bit by bit.
-    pub fn new(sketch: Sketch, forms: &Forms<'_>, pause: Pause<'_>) -> Self {
-        let recent = Vec::with_capacity(RECENT);
-        let tree = Self::default();
-        let mut writer = Writer { tree, numbers: FxHashMap::default(), forms, recent, tiles: 0, pause };
-        writer.tree.root = writer.tile(sketch);
-        writer.tree
-    }
-
-    /// Bytes that it takes.
-    pub fn bytes(&self) -> u64 {
-        (self.forms.len() * size_of::<Form>() + 4 * self.nodes.len()) as u64
-    }
-
-    pub fn is_lit(&self, slices: u32) -> bool {
-        self.root == slices
-    }
-}
-
-/// Writes a tree, children before their parents.
-struct Writer<'a> {
-    tree: Tree,
-    numbers: FxHashMap<Form, u32>,
-    forms: &'a Forms<'a>,
-    /// Depths that were chosen lately, latest first.
-    recent: Vec<u32>,
-    /// Inner tiles so far.
-    tiles: u32,
-    pause: Pause<'a>,
-}
-
-impl Writer<'_> {
-    fn tile(&mut self, sketch: Sketch) -> u32 {
-        match sketch {
-            Sketch::Flat(set) => self.value(&set),
-            Sketch::Cut(cut) => {
-                let slices = self.forms.slices.resolution().texels();
-                let mut words: ArrayVec<u32, 6> = cut.edges.iter().map(|e| self.form(self.forms.edge(*e))).collect();
-                let kind = if words.len() == 1 { Kind::Cut } else { Kind::Cross };
-                for region in &cut.regions[..1 << words.len()] {
-                    // Any depth will do for a region without texels.
-                    words.push(region.as_ref().map_or(reference(Kind::Depth, slices), |set| self.value(set)));
-                }
-                self.node(kind, &words)
-            }
-            Sketch::Masks(turns) => {
-                let at = self.tree.nodes.len() as u32;
-                self.tree.nodes.extend(Turns::to_words(turns.iter().map(|turn| (turn.high, turn.lit))));
-                reference(Kind::Masks, at)
-            }
-            Sketch::Inner(children) => {
-                self.tiles += 1;
-                if self.tiles.is_multiple_of(REST_TILES) {
-                    (self.pause)();
-                }
-                let children = children.map(|child| self.tile(child));
-                self.node(Kind::Inner, &children)
-            }
-        }
-    }
-
-    fn node(&mut self, kind: Kind, words: &[u32]) -> u32 {
-        let at = self.tree.nodes.len() as u32;
-        self.tree.nodes.extend_from_slice(words);
-        reference(kind, at)
-    }
-
-    fn value(&mut self, set: &Set) -> u32 {
-        let slices = self.forms.slices.resolution().texels();
-        if set.low <= set.high {
-            return reference(Kind::Depth, self.depth(set.low, set.high.min(slices)));
-        }
-        let Some(surface) = set.surfaces().next() else { return reference(Kind::Depth, slices) };
-        let (pair, second) = match surface.second() {
-            Second::None => return self.plane(surface.first),
-            Second::Back(back) => (Pair::Wedge, back),
-            Second::Nearer(other) => (Pair::Nearer, other),
-            Second::Farther(other) => (Pair::Farther, other),
-        };
-        let planes = [surface.first, second].map(|plane| (payload(self.plane(plane)) as u32, plane.is_deep()));
-        self.node(Kind::Pair, &pair.to_words(planes))
-    }
-
-    /// A plane of a set, which has a form.
-    fn plane(&mut self, plane: Plane) -> u32 {
-        let slices = self.forms.slices.resolution().texels();
-        let Some(form) = self.forms.plane(plane) else { return reference(Kind::Depth, slices) };
-        reference(if plane.is_deep() { Kind::Deep } else { Kind::Plane }, self.form(form))
-    }
-
-    /// A depth between two: lit where it may be, or nearly so with a depth that was chosen lately, which takes fewer bytes on disk.
-    fn depth(&mut self, low: u32, high: u32) -> u32 {
-        let least = low + (high - low).div_ceil(2);
-        let known = self.recent.iter().position(|depth| (least..=high).contains(depth));
-        let depth = known.map_or(high, |at| self.recent.remove(at));
-        self.recent.truncate(RECENT - 1);
-        self.recent.insert(0, depth);
-        depth
-    }
-
-    fn form(&mut self, form: Form) -> u32 {
-        number(&mut self.tree.forms, &mut self.numbers, form)
-    }
-}
-
-fn number(forms: &mut Vec<Form>, numbers: &mut FxHashMap<Form, u32>, form: Form) -> u32 {
-    *numbers.entry(form).or_insert_with(|| {
-        forms.push(form);
-        forms.len() as u32 - 1
-    })
-}
+/// Inner tiles that are moved between two rests.
+const REST_TILES: u64 = 1 << 10;
 
 /// Puts faces' trees into one pool, in order.
 ///
@@ -160,47 +26,147 @@ pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: Pause<'_>) -> R
     if held.saturating_mul(3) > memory_limit {
         return Err(EncodeError::MemoryLimit);
     }
-    let mut pool = Pool::default();
-    let mut added_forms = Vec::new();
-    let numbers: Vec<Vec<u32>> = trees
-        .iter()
-        .map(|tree| {
-            let before = pool.forms.len();
-            let own = tree.forms.iter().map(|form| number(&mut pool.forms, &mut pool.numbers, *form)).collect();
-            added_forms.push(pool.forms.len() - before);
-            own
-        })
-        .collect();
-    pool.words.push(pool.forms.len() as u32);
-    pool.words.resize(HEADER_WORDS, 0);
-    pool.words.extend(pool.forms.iter().flat_map(|form| form.to_words()));
-    let nodes: usize = trees.iter().map(|tree| tree.nodes.len()).sum();
-    if pool.words.len() + nodes > MOST_PAYLOAD as usize {
+    let mut forms = Vec::new();
+    let mut known = FxHashMap::default();
+    let (mut numbers, mut added_forms) = (Vec::new(), Vec::new());
+    for tree in &trees {
+        let before = forms.len();
+        tree.for_each_part(&mut |part| {
+            let own = part.forms.iter().map(|form| number(&mut forms, &mut known, *form));
+            numbers.push(own.collect());
+        });
+        added_forms.push(forms.len() - before);
+    }
+    let mut pool = vec![forms.len() as u32];
+    pool.resize(HEADER_WORDS, 0);
+    pool.extend(forms.iter().flat_map(|form| form.to_words()));
+    let mut layout = Layout { numbers: numbers.into_iter(), next: pool.len(), pieces: Vec::new() };
+    let (mut roots, mut pieces_of) = (Vec::new(), Vec::new());
+    for tree in &trees {
+        let before = layout.pieces.len();
+        roots.push(layout.tile(tree));
+        pieces_of.push(before..layout.pieces.len());
+    }
+    if layout.next > MOST_PAYLOAD as usize {
         return Err(EncodeError::TooManyWords);
     }
-    pool.words.reserve_exact(nodes);
-    let (mut roots, mut added) = (Vec::new(), Vec::new());
-    for ((tree, forms), added_forms) in trees.iter().zip(&numbers).zip(added_forms) {
-        let before = pool.words.len();
-        pool.words.extend_from_slice(&tree.nodes);
-        let nodes = &mut pool.words[before..];
-        let mut moved = Moved { nodes, begin: before as u32, forms, counts: NodeCounts::default(), pause };
-        roots.push(moved.tile(tree.root));
-        let counts = moved.counts;
-        added.push((counts, (added_forms * FORM_WORDS + tree.nodes.len()) as u64));
-        if !pause() {
-            return Err(EncodeError::Cancelled);
-        }
+    let (first_node, pieces) = (pool.len(), layout.pieces);
+    pool.resize(layout.next, 0);
+    let mut rest = &mut pool[first_node..];
+    let places: Vec<&mut [u32]> = pieces
+        .iter()
+        .map(|piece| {
+            let (place, later) = std::mem::take(&mut rest).split_at_mut(piece.words());
+            rest = later;
+            place
+        })
+        .collect();
+    let counts: Vec<NodeCounts> =
+        pieces.par_iter().zip(places).map(|(piece, place)| piece.write(place, pause)).collect();
+    if !pause() {
+        return Err(EncodeError::Cancelled);
     }
-    Ok(Encoded { pool: pool.words, roots, added })
+    let added = pieces_of
+        .into_iter()
+        .zip(added_forms)
+        .map(|(range, forms)| {
+            let words: usize = pieces[range.clone()].iter().map(Piece::words).sum();
+            (sum(&counts[range]), (forms * FORM_WORDS + words) as u64)
+        })
+        .collect();
+    Ok(Encoded { pool, roots, added })
 }
 
-/// A tree's nodes in the pool, whose references still have to be made the pool's.
+fn sum(counts: &[NodeCounts]) -> NodeCounts {
+    counts.iter().fold(NodeCounts::default(), |sum, own| NodeCounts {
+        inner: sum.inner + own.inner,
+        slices: sum.slices + own.slices,
+        masks: sum.masks + own.masks,
+        cuts: sum.cuts + own.cuts,
+    })
+}
+
+/// What lies where in the pool.
+struct Layout<'a> {
+    /// Of each part of the trees, in order: the pool's numbers of its forms.
+    numbers: std::vec::IntoIter<Vec<u32>>,
+    /// The word at which the next piece begins.
+    next: usize,
+    pieces: Vec<Piece<'a>>,
+}
+
+/// Words of the pool that follow one another.
+enum Piece<'a> {
+    Part {
+        part: &'a Part,
+        /// The pool's number of each of its forms.
+        forms: Vec<u32>,
+        /// Where its nodes begin.
+        begin: u32,
+    },
+    /// An inner tile.
+    Inner([u32; 4]),
+}
+
+impl<'a> Layout<'a> {
+    /// Lays out a tree; returns the pool's reference to it.
+    fn tile(&mut self, tree: &'a Tree) -> u32 {
+        let (root, piece) = match tree {
+            Tree::Part(part) => {
+                let (forms, begin) = (self.numbers.next().unwrap_or_default(), self.next as u32);
+                (in_pool(part.root, &forms, begin), Piece::Part { part, forms, begin })
+            }
+            Tree::Inner(children) => {
+                let children = children.each_ref().map(|child| self.tile(child));
+                (reference(Kind::Inner, self.next as u32), Piece::Inner(children))
+            }
+        };
+        self.next += piece.words();
+        self.pieces.push(piece);
+        root
+    }
+}
+
+impl Piece<'_> {
+    fn words(&self) -> usize {
+        match self {
+            Self::Part { part, .. } => part.nodes.len(),
+            Self::Inner(children) => children.len(),
+        }
+    }
+
+    /// Writes it to its place.
+    fn write(&self, place: &mut [u32], pause: Pause<'_>) -> NodeCounts {
+        match self {
+            Self::Part { part, forms, begin } => {
+                place.copy_from_slice(&part.nodes);
+                let mut moved = Moved { nodes: place, begin: *begin, forms, counts: NodeCounts::default(), pause };
+                moved.tile(part.root);
+                moved.counts
+            }
+            Self::Inner(children) => {
+                place.copy_from_slice(children);
+                NodeCounts { inner: 1, ..NodeCounts::default() }
+            }
+        }
+    }
+}
+
+/// The pool's reference for a part's.
+fn in_pool(own: u32, forms: &[u32], begin: u32) -> u32 {
+    match kind(own) {
+        Kind::Depth => own,
+        Kind::Plane | Kind::Deep => reference(kind(own), forms[payload(own)]),
+        _ => reference(kind(own), begin + payload(own) as u32),
+    }
+}
+
+/// A part's nodes in the pool, whose references still have to be made the pool's.
 struct Moved<'a> {
     nodes: &'a mut [u32],
     /// Where they begin.
     begin: u32,
-    /// The pool's number of each of the tree's forms.
+    /// The pool's number of each of the part's forms.
     forms: &'a [u32],
     counts: NodeCounts,
     pause: Pause<'a>,
@@ -213,7 +179,7 @@ impl Moved<'_> {
         match kind(tile) {
             Kind::Inner => {
                 self.counts.inner += 1;
-                if self.counts.inner.is_multiple_of(REST_TILES.into()) {
+                if self.counts.inner.is_multiple_of(REST_TILES) {
                     (self.pause)();
                 }
                 self.tiles(at..at + 4);
@@ -233,10 +199,9 @@ impl Moved<'_> {
                 self.nodes[at..at + 2].copy_from_slice(&words);
             }
             Kind::Masks => self.counts.masks += u64::from(self.nodes[at]),
-            Kind::Plane | Kind::Deep => return reference(kind(tile), self.forms[at]),
-            Kind::Depth => return tile,
+            Kind::Plane | Kind::Deep | Kind::Depth => {}
         }
-        reference(kind(tile), self.begin + at as u32)
+        in_pool(tile, self.forms, self.begin)
     }
 
     fn tiles(&mut self, places: Range<usize>) {

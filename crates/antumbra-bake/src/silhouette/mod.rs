@@ -6,7 +6,7 @@
 //! triangle's plane (`form`), or two of them, as where a solid ends in an edge and its front and its back meet, or where surfaces cross. What is
 //! found is a *sketch*: for each region the set of depths that would do. Four tiles become one while two edges are enough and the
 //! sets of each region still meet (`sketch`, `accept`), so tiles grow until geometry stops them. Planes also come from the gaps by which
-//! the builder settles greater tiles (`gap`). Words come last (`encode`).
+//! the builder settles greater tiles (`gap`). Depths are chosen once a tile grows no more (`tree`); last comes the pool (`encode`).
 //!
 //! Ours. Nothing is lost: at every texel the depth lies in the ray's interval, as in the voxel graph.
 
@@ -17,16 +17,8 @@ mod form;
 mod gap;
 mod leaf;
 mod sketch;
+mod tree;
 
-use crate::columns::{Build, BuildError};
-
-pub(crate) use encode::{Tree, encode};
-
-/// Builds one face of a light.
-///
-/// # Errors
-/// [`BuildError`].
-pub(crate) fn build(build: &Build<'_>) -> Result<Tree, BuildError> {
-    let sketch = build::sketch(build)?;
-    Ok(Tree::new(sketch, &accept::Forms { triangles: build.triangles, slices: build.slices }, build.pause))
-}
+pub(crate) use build::build;
+pub(crate) use encode::encode;
+pub(crate) use tree::Tree;
