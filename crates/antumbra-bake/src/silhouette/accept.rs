@@ -55,8 +55,7 @@ impl Forms<'_> {
     fn over(&self, shape: &Shape, polygon: &Polygon) -> Option<Over> {
         let mut ends = [Ends::NONE; 3];
         for (ends, (form, is_deep)) in ends.iter_mut().zip(&shape.planes[..shape.count]) {
-            let own = Ends::new(*form, polygon);
-            *ends = if *is_deep && !self.slices.are_even() { own.as_plain(self)? } else { own };
+            *ends = if *is_deep { Ends::of_deep(*form, polygon, self)? } else { Ends::new(*form, polygon) };
         }
         Some(Over { ends, first: shape.first, count: shape.count })
     }
@@ -155,18 +154,18 @@ impl<'a> Candidates<'a> {
 }
 
 /// Corners of a square that two edges cut, at most.
-const MOST_CORNERS: usize = 6;
+pub(crate) const MOST_CORNERS: usize = 6;
 /// By how much a sum of terms may be off, and corners, in texels: rounding of double precision, of numbers up to 2^20.
-const ROUNDING: f64 = 1.0 / (1u64 << 50) as f64;
-const CORNER_ERROR: f64 = 1.0 / (1u64 << 30) as f64;
+pub(crate) const ROUNDING: f64 = 1.0 / (1u64 << 50) as f64;
+pub(crate) const CORNER_ERROR: f64 = 1.0 / (1u64 << 30) as f64;
 /// By how much a deep plane's value, in lattice steps, may lie off that of the plane which is as deep: beginnings of slices are whole.
 const DEEP_STEPS: f64 = 2.0;
 
 /// A convex polygon that holds the centres of a region's texels.
 #[derive(Clone, Copy)]
 pub(crate) struct Polygon {
-    corners: [[f64; 2]; MOST_CORNERS],
-    count: usize,
+    pub corners: [[f64; 2]; MOST_CORNERS],
+    pub count: usize,
     /// The greatest texels of the tile that it is of.
     last: [f64; 2],
 }
@@ -215,14 +214,19 @@ impl Polygon {
         }
     }
 
-    fn constant(&self, value: f64) -> Ends {
-        Ends { form: Form::default(), is_plain: false, at: [value; MOST_CORNERS], count: self.count, slack: 0.0 }
+    pub fn constant(&self, value: f64) -> Ends {
+        self.values([value; MOST_CORNERS], 0.0)
+    }
+
+    /// A plane of no form of which its values are known.
+    pub fn values(&self, at: [f64; MOST_CORNERS], slack: f64) -> Ends {
+        Ends { form: Form::default(), is_plain: false, at, count: self.count, slack }
     }
 }
 
 /// A plane's values at a polygon's corners, in units, and by how much they may be off.
 #[derive(Clone, Copy)]
-struct Ends {
+pub(crate) struct Ends {
     form: Form,
     is_plain: bool,
     at: [f64; MOST_CORNERS],
@@ -239,7 +243,7 @@ impl Ends {
         slack: 0.0,
     };
 
-    fn new(form: Form, polygon: &Polygon) -> Self {
+    pub fn new(form: Form, polygon: &Polygon) -> Self {
         let unit = 1.0 / (1i64 << form.shift) as f64;
         let [a, b, c] = [f64::from(form.a), f64::from(form.b), form.c as f64].map(|factor| factor * unit);
         let at = polygon.corners.map(|[x, y]| a * x + b * y + c);
@@ -250,6 +254,12 @@ impl Ends {
         Self { form, is_plain: true, at, count: polygon.count, slack }
     }
 
+    /// Of a deep plane: as those of a plane which is as deep. `None` where that cannot be told.
+    pub fn of_deep(deep: Form, polygon: &Polygon, forms: &Forms<'_>) -> Option<Self> {
+        let own = Self::new(deep, polygon);
+        if forms.slices.are_even() { Some(own) } else { own.as_plain(forms) }
+    }
+
     /// Of a deep plane in lattice steps: as those of a plane. `None` before the first slice, which counts no half.
     fn as_plain(self, forms: &Forms<'_>) -> Option<Self> {
         let is_inside = self.at[..self.count].iter().all(|value| *value >= 0.0);
@@ -257,7 +267,8 @@ impl Ends {
         is_inside.then_some(Self { at, is_plain: false, slack: self.slack + DEEP_STEPS, ..self })
     }
 
-    fn is_before(&self, other: &Self) -> bool {
+    /// Whether it lies before another one, or is the same.
+    pub fn is_before(&self, other: &Self) -> bool {
         if (self.form, self.is_plain) == (other.form, other.is_plain) {
             return true;
         }

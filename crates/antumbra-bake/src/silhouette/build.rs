@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use antumbra::format::silhouette::Form;
 
 use super::accept::{Candidates, Forms};
+use super::direct;
 use super::form::{Plane, Side, Surface};
 use super::gap::{Gap, add_planes};
 use super::leaf;
@@ -246,6 +247,9 @@ impl<'a> Worker<'a> {
             return leaf::sketch(&mut self.leaf, Leaf { build: self.build, tile }, entries, clamp, &self.forms);
         }
         self.rest(tile);
+        if let Some(sketch) = direct::sketch(self.build, tile, entries, clamp, self.forms) {
+            return sketch;
+        }
         let mut lists = std::mem::take(&mut self.lists[tile.log2 as usize]);
         lists.iter_mut().for_each(Vec::clear);
         split(self.build.arch(), self.build, tile, entries, &mut lists);

@@ -326,7 +326,7 @@ fn values(form: &Form, leaf: Leaf<'_>) -> [i64; 64] {
 
 /// A plane's depths at a leaf's texels, or a deep one's.
 #[inline(always)]
-fn depths_at(form: &Form, leaf: Leaf<'_>, slices: &Slices, is_deep: bool) -> Lanes {
+pub(super) fn depths_at(form: &Form, leaf: Leaf<'_>, slices: &Slices, is_deep: bool) -> Lanes {
     let spread = slices.spread();
     let values = values(form, leaf).map(|value| value >> form.shift);
     if matches!(spread, Spread::Even(_)) {
@@ -400,7 +400,7 @@ fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> ArrayVec<(Edge
 
 /// The texels to the left of an edge.
 #[inline(always)]
-fn left_of(edge: Form, leaf: Leaf<'_>) -> u64 {
+pub(super) fn left_of(edge: Form, leaf: Leaf<'_>) -> u64 {
     let at_corners = corners(leaf.tile).map(|texel| edge.at(texel) >= 0);
     match at_corners {
         [true, true, true, true] => u64::MAX,

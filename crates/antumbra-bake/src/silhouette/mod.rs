@@ -12,6 +12,7 @@
 
 mod accept;
 mod build;
+mod direct;
 mod encode;
 mod form;
 mod gap;

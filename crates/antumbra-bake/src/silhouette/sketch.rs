@@ -75,6 +75,13 @@ impl Set {
         self.surfaces.iter().copied().take_while(|surface| *surface != Surface::NONE)
     }
 
+    /// The depths that both have; `None` if there are none.
+    pub fn common(&self, other: &Self) -> Option<Self> {
+        let joint = self.surfaces().filter(|surface| other.surfaces().any(|own| own == *surface));
+        let set = Self::new([self.low.max(other.low), self.high.min(other.high)], joint);
+        (!set.is_empty()).then_some(set)
+    }
+
     pub fn is_empty(&self) -> bool {
         self.low > self.high && self.surfaces[0] == Surface::NONE
     }
