@@ -6,7 +6,9 @@ mod common;
 use antumbra::Interior;
 use antumbra_bake::{BakeOptions, Encoding};
 use antumbra_scene::Scene;
-use common::{TestMesh as Mesh, bake_for_check, check_all, cuboid, loose, options, scene, solid, soup, sun, turned};
+use common::{
+    TestMesh as Mesh, bake_for_check, check_all, check_texels, cuboid, loose, options, scene, solid, soup, sun, turned,
+};
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 
@@ -88,6 +90,18 @@ proptest! {
     fn agrees_at_greater_resolutions(meshes in meshes(), direction in direction(), interior in interior()) {
         let scene = scene(meshes, DAffine3::IDENTITY);
         check(&scene, direction, interior, 512).map_err(TestCaseError::fail)?;
+    }
+
+    /// Great tiles are solved at once there: rows of texels through all of them.
+    #[test]
+    fn silhouettes_agree_at_great_resolutions(
+        meshes in meshes(), direction in direction(), interior in interior(), rows in prop::array::uniform8(0u32..16384)
+    ) {
+        let scene = scene(meshes, DAffine3::IDENTITY);
+        let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options(interior, 16384, 1) };
+        let checked = bake_for_check(&scene, &sun(direction), &options);
+        let texels = || rows.into_iter().flat_map(|row| (0..16384).flat_map(move |i| [[i, row], [row, i]]));
+        check_texels(&checked, texels).map_err(TestCaseError::fail)?;
     }
 
     #[test]

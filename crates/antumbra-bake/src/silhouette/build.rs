@@ -113,7 +113,13 @@ impl<'a> Shared<'a> {
     fn tile(&self, tile: Tile, mut entries: Vec<Entry>, clamp: u32) -> Grown {
         let settled = self.build.rules().settle(tile, &mut entries, clamp);
         let clamp = match settled {
-            Settled::Mixed { clamp } | Settled::Face { clamp, .. } if self.is_split(tile, entries.len()) => clamp,
+            Settled::Mixed { clamp } | Settled::Face { clamp, .. } if self.is_split(tile, entries.len()) => {
+                if let Some(sketch) = direct::sketch(self.build, tile, &entries, clamp, self.forms) {
+                    self.report(tile);
+                    return Grown::Sketch(sketch, 0);
+                }
+                clamp
+            }
             _ => {
                 let (sketch, bytes) = self.with_worker(|worker| {
                     let sketch = worker.settled(tile, &entries, settled);

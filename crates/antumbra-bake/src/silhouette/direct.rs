@@ -30,7 +30,8 @@ const ERROR: [f64; 2] = [1.0 / 8192.0, 3.0];
 ///
 /// `entries` are sorted by their first slices; what was dropped lies no nearer than `clamp`, where all texels are in shadow.
 pub(crate) fn sketch(build: &Build<'_>, tile: Tile, entries: &[Entry], clamp: u32, forms: Forms<'_>) -> Option<Sketch> {
-    let is_simple = tile.log2 > 4 && entries.len() <= MOST_ENTRIES && !build.freedom.is_behind_open() && build.enters.is_none();
+    let is_simple =
+        tile.log2 > 4 && entries.len() <= MOST_ENTRIES && !build.freedom.is_behind_open() && build.enters.is_none();
     if !is_simple || entries.iter().any(|e| e.has(CUTOUT) || e.triangle > Plane::MOST_TRIANGLES) {
         return None;
     }
