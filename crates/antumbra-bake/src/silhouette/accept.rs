@@ -220,14 +220,15 @@ impl Polygon {
 
     /// A plane of no form of which its values are known.
     pub fn values(&self, at: [f64; MOST_CORNERS], slack: f64) -> Ends {
-        Ends { form: Form::default(), is_plain: false, at, count: self.count, slack }
+        Ends { form: None, is_plain: false, at, count: self.count, slack }
     }
 }
 
 /// A plane's values at a polygon's corners, in units, and by how much they may be off.
 #[derive(Clone, Copy)]
 pub(crate) struct Ends {
-    form: Form,
+    /// If it is known.
+    form: Option<Form>,
     is_plain: bool,
     at: [f64; MOST_CORNERS],
     count: usize,
@@ -235,13 +236,7 @@ pub(crate) struct Ends {
 }
 
 impl Ends {
-    const NONE: Self = Self {
-        form: Form { a: 0, b: 0, c: 0, shift: 0 },
-        is_plain: false,
-        at: [0.0; MOST_CORNERS],
-        count: 0,
-        slack: 0.0,
-    };
+    const NONE: Self = Self { form: None, is_plain: false, at: [0.0; MOST_CORNERS], count: 0, slack: 0.0 };
 
     pub fn new(form: Form, polygon: &Polygon) -> Self {
         let unit = 1.0 / (1i64 << form.shift) as f64;
@@ -251,7 +246,7 @@ impl Ends {
         let terms = a.abs() * x + b.abs() * y + c.abs();
         // More than nothing: what is before something is not at it.
         let slack = (terms * ROUNDING + (a.abs() + b.abs()) * CORNER_ERROR).max(f64::MIN_POSITIVE);
-        Self { form, is_plain: true, at, count: polygon.count, slack }
+        Self { form: Some(form), is_plain: true, at, count: polygon.count, slack }
     }
 
     /// Of a deep plane: as those of a plane which is as deep. `None` where that cannot be told.
@@ -269,7 +264,7 @@ impl Ends {
 
     /// Whether it lies before another one, or is the same.
     pub fn is_before(&self, other: &Self) -> bool {
-        if (self.form, self.is_plain) == (other.form, other.is_plain) {
+        if self.form.is_some() && (self.form, self.is_plain) == (other.form, other.is_plain) {
             return true;
         }
         let slack = self.slack + other.slack;

@@ -1,5 +1,6 @@
 //! The recursion: tiles down, sketches up, on many threads; what grows no more becomes part of a tree.
 
+use std::ops::AddAssign;
 use std::sync::Mutex;
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -24,8 +25,8 @@ const SPLIT_LEVELS: u32 = 5;
 /// Tiles of this size may rest.
 const PAUSE_LOG2: u32 = 5;
 
-/// Bytes of sketches that are written in one go, at least: parts share no choice of depths.
-const PART_BYTES: u64 = 1 << 20;
+/// Tiles with so many inner ones are written, with what lies beside them: about a mebibyte of sketches. Parts share no choice of depths.
+const PART_TILES: u64 = 1 << 11;
 
 /// Builds one face of a light.
 ///
@@ -58,25 +59,47 @@ pub(crate) fn build(build: &Build<'_>) -> Result<Tree, BuildError> {
 
 /// A tile so far.
 enum Grown {
-    /// It may become part of a greater one, or be written with its neighbours. With the bytes of its inner tiles.
-    Sketch(Sketch, u64),
+    /// It may become part of a greater one, or be written with its neighbours.
+    Sketch(Sketch, Size),
     Tree(Tree),
+}
+
+/// What a sketch takes.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    /// Inner tiles.
+    tiles: u64,
+    bytes: u64,
+}
+
+impl Size {
+    /// A tile's own, but for inner tiles in it.
+    fn of(sketch: &Sketch) -> Self {
+        Self { tiles: matches!(sketch, Sketch::Inner(_)).into(), bytes: sketch.own_bytes() }
+    }
+}
+
+impl AddAssign for Size {
+    fn add_assign(&mut self, other: Self) {
+        self.tiles += other.tiles;
+        self.bytes += other.bytes;
+    }
 }
 
 impl Grown {
     /// A sketch, or a tree if it grows no more and is worth it.
-    fn new(sketch: Sketch, bytes: u64, shared: &Shared<'_>) -> Self {
-        let grown = Self::Sketch(sketch, bytes);
-        if bytes < PART_BYTES { grown } else { Self::Tree(grown.written(shared)) }
+    fn new(sketch: Sketch, size: Size, shared: &Shared<'_>) -> Self {
+        let grown = Self::Sketch(sketch, size);
+        if size.tiles < PART_TILES { grown } else { Self::Tree(grown.written(shared)) }
     }
 
     fn written(self, shared: &Shared<'_>) -> Tree {
         match self {
             Self::Tree(tree) => tree,
-            Self::Sketch(sketch, bytes) => {
+            Self::Sketch(sketch, size) => {
                 let tree = Tree::new(sketch, &shared.forms, shared.build.pause);
                 shared.hold(tree.bytes());
-                shared.held.fetch_sub(bytes, Ordering::Relaxed);
+                shared.held.fetch_sub(size.bytes, Ordering::Relaxed);
                 tree
             }
         }
@@ -87,9 +110,10 @@ impl Grown {
         match children {
             [Self::Sketch(a, i), Self::Sketch(b, j), Self::Sketch(c, k), Self::Sketch(d, l)] => {
                 let sketch = shared.with_worker(|worker| Sketch::of([a, b, c, d], tile, &mut worker.candidates));
-                let own = sketch.own_bytes();
-                shared.hold(own);
-                Self::new(sketch, i + j + k + l + own, shared)
+                let mut size = Size::of(&sketch);
+                shared.hold(size.bytes);
+                [i, j, k, l].into_iter().for_each(|part| size += part);
+                Self::new(sketch, size, shared)
             }
             children => Self::Tree(Tree::Inner(Box::new(children.map(|child| child.written(shared))))),
         }
@@ -104,7 +128,7 @@ struct Shared<'a> {
     workers: Mutex<Vec<Worker<'a>>>,
     stopped: AtomicBool,
     done: AtomicU64,
-    /// Bytes of sketches and trees.
+    /// Bytes of sketches' inner tiles, and of trees.
     held: AtomicU64,
     is_out_of_memory: AtomicBool,
 }
@@ -113,23 +137,21 @@ impl<'a> Shared<'a> {
     fn tile(&self, tile: Tile, mut entries: Vec<Entry>, clamp: u32) -> Grown {
         let settled = self.build.rules().settle(tile, &mut entries, clamp);
         let clamp = match settled {
-            Settled::Mixed { clamp } | Settled::Face { clamp, .. } if self.is_split(tile, entries.len()) => {
-                if let Some(sketch) = direct::sketch(self.build, tile, &entries, clamp, self.forms) {
-                    self.report(tile);
-                    return Grown::Sketch(sketch, 0);
-                }
-                clamp
-            }
+            Settled::Mixed { clamp } | Settled::Face { clamp, .. } if self.is_split(tile, entries.len()) => clamp,
             _ => {
-                let (sketch, bytes) = self.with_worker(|worker| {
+                let (sketch, size) = self.with_worker(|worker| {
                     let sketch = worker.settled(tile, &entries, settled);
-                    (sketch, std::mem::take(&mut worker.bytes))
+                    (sketch, std::mem::take(&mut worker.size))
                 });
-                self.hold(bytes);
+                self.hold(size.bytes);
                 self.report(tile);
-                return Grown::new(sketch, bytes, self);
+                return Grown::new(sketch, size, self);
             }
         };
+        if let Some(sketch) = direct::sketch(self.build, tile, &entries, clamp, self.forms) {
+            self.report(tile);
+            return Grown::Sketch(sketch, Size::default());
+        }
         let mut lists = [const { Vec::new() }; 4];
         split(self.build.arch(), self.build, tile, &entries, &mut lists);
         drop(entries);
@@ -137,7 +159,7 @@ impl<'a> Shared<'a> {
             lists.into_par_iter().enumerate().map(|(i, list)| self.tile(tile.child(i as u32), list, clamp)).collect();
         match <[Grown; 4]>::try_from(children) {
             Ok(children) => Grown::of(children, tile, self),
-            Err(_) => Grown::Sketch(lit(self.build.resolution().texels()), 0),
+            Err(_) => Grown::Sketch(lit(self.build.resolution().texels()), Size::default()),
         }
     }
 
@@ -184,8 +206,8 @@ struct Worker<'a> {
     gap: Gap,
     lists: Vec<[Vec<Entry>; 4]>,
     leaf: LeafScratch,
-    /// Bytes of the inner tiles of the sketch in the making.
-    bytes: u64,
+    /// Of the sketch in the making.
+    size: Size,
     stopped: bool,
 }
 
@@ -193,7 +215,7 @@ impl<'a> Worker<'a> {
     fn new(build: &'a Build<'a>, forms: Forms<'a>) -> Self {
         let lists = (0..=build.resolution().log2()).map(|_| [const { Vec::new() }; 4]).collect();
         let (candidates, leaf) = (Candidates::new(forms), LeafScratch::new(build.arch()));
-        Self { build, forms, candidates, gap: Gap::default(), lists, leaf, bytes: 0, stopped: false }
+        Self { build, forms, candidates, gap: Gap::default(), lists, leaf, size: Size::default(), stopped: false }
     }
 
     fn settled(&mut self, tile: Tile, entries: &[Entry], settled: Settled) -> Sketch {
@@ -267,7 +289,7 @@ impl<'a> Worker<'a> {
         });
         self.lists[tile.log2 as usize] = lists;
         let sketch = Sketch::of(children, tile, &mut self.candidates);
-        self.bytes += sketch.own_bytes();
+        self.size += Size::of(&sketch);
         sketch
     }
 }

@@ -11,6 +11,7 @@ use pulp::{Simd, WithSimd};
 
 use super::accept::{CORNER_ERROR, Ends, Forms, MOST_CORNERS, Polygon, ROUNDING, corners};
 use super::form::{EdgeKey, Plane, Side, Surface};
+use super::gap::depth_error;
 use super::leaf::{depths_at, left_of};
 use super::sketch::{Cut, Set, Sketch};
 use crate::columns::{Build, BuildTriangle, COVERS, CUTOUT, Entry, LEAF_LOG2, Leaf, Tile, spread};
@@ -23,22 +24,32 @@ const MOST_BACKS: usize = 4;
 const MOST_SIDES: usize = 4;
 /// Leaves along an edge that are looked at, for each that lies on a side of the tile.
 const MOST_LEAVES: u32 = 4;
-/// More than depths in double precision err by, as in [`super::gap`].
-const ERROR: [f64; 2] = [1.0 / 8192.0, 3.0];
+/// Parts of a tile of so many texels may rest.
+const PAUSE_LOG2: u32 = 8;
 
 /// A tile that at most two edges part into regions with one front each.
 ///
-/// `entries` are sorted by their first slices; what was dropped lies no nearer than `clamp`, where all texels are in shadow.
+/// `entries` are sorted by their first slices; what was dropped lies no nearer than `clamp`, where all texels are in shadow. Not where enter depths are
+/// wanted, which take every texel's.
 pub(crate) fn sketch(build: &Build<'_>, tile: Tile, entries: &[Entry], clamp: u32, forms: Forms<'_>) -> Option<Sketch> {
     let is_simple =
         tile.log2 > 4 && entries.len() <= MOST_ENTRIES && !build.freedom.is_behind_open() && build.enters.is_none();
     if !is_simple || entries.iter().any(|e| e.has(CUTOUT) || e.triangle > Plane::MOST_TRIANGLES) {
         return None;
     }
-    let (fronts, backs) = (ArrayVec::new(), ArrayVec::new());
-    let mut direct = Direct { build, forms, tile, entries, clamp, edges: ArrayVec::new(), fronts, backs };
-    direct.edges = direct.crossing_edges()?;
-    direct.sketch()
+    let none = Direct {
+        build,
+        forms,
+        tile,
+        entries,
+        clamp,
+        edges: ArrayVec::new(),
+        fronts: ArrayVec::new(),
+        backs: ArrayVec::new(),
+    };
+    let edges = none.crossing_edges()?;
+    let (fronts, backs) = (none.sides(Side::Past, 1), none.sides(Side::Before, -1));
+    Direct { edges, fronts, backs, ..none }.sketch()
 }
 
 /// A triangle's edge, and whether the triangle lies to its left.
@@ -124,8 +135,7 @@ impl Direct<'_> {
         entries.map(|entry| self.depths(entry, polygon)).min_by(|a, b| middle(a).total_cmp(&middle(b)))
     }
 
-    fn sketch(&mut self) -> Option<Sketch> {
-        (self.fronts, self.backs) = (self.sides(Side::Past, 1), self.sides(Side::Before, -1));
+    fn sketch(&self) -> Option<Sketch> {
         let count = self.edges.len();
         let mut regions: [Option<Set>; 4] = [None; 4];
         for (number, region) in regions.iter_mut().enumerate().take(1 << count) {
@@ -207,15 +217,12 @@ impl Direct<'_> {
         let t = self.triangle(entry);
         let (units, steps) = (slices.units_per_step(), slices.resolution().texel_steps() as f64);
         let points = polygon.corners.map(|corner| corner.map(|c| (c + 0.5) * steps));
-        let [sx, sy] = t.slope.map(f64::abs);
-        let terms = |[x, y]: [f64; 2]| (x - f64::from(t.x[0])).abs() * sx + (y - f64::from(t.y[0])).abs() * sy;
-        let rounding = points.map(terms).into_iter().fold(0.0, f64::max) * (4.0 * ROUNDING);
-        let error = ERROR[usize::from(!slices.are_even())] + (sx + sy) * steps * CORNER_ERROR + rounding;
+        let error = depth_error(t, &points, slices) + (t.slope[0].abs() + t.slope[1].abs()) * steps * CORNER_ERROR;
         let at = points.map(|point| t.depth(point, units));
         Depths { entry: *entry, at, error }
     }
 
-    /// The depths that suit all of a region's rays, as far as its corners tell.
+    /// The depths that suit all of a region's rays, as far as its corners tell, and texels along its edges.
     fn set(&self, number: usize, polygon: &Polygon) -> Option<Set> {
         let all = self.build.slices.resolution().texels();
         let present: ArrayVec<(&Entry, Presence), MOST_ENTRIES> = self
@@ -229,14 +236,14 @@ impl Direct<'_> {
         }
         let whole = present.iter().filter(|(_, presence)| *presence == Presence::Whole);
         let front = self.nearest(whole.map(|(entry, _)| *entry), polygon)?;
-        let mut others = present.iter().map(|(entry, _)| *entry).filter(|e| e.triangle != front.entry.triangle);
+        let others = present.iter().map(|(entry, _)| *entry).filter(|e| e.triangle != front.entry.triangle);
         let is_first = others.clone().all(|other| self.is_behind(&front, other, Some(number), polygon));
         if self.triangle(&front.entry).winding() != 1 || !is_first {
             return None;
         }
         let mut backs: ArrayVec<Depths, MOST_BACKS> = ArrayVec::new();
         let mut clamp = self.clamp;
-        for back in others.by_ref().filter(|other| self.triangle(other).winding() == -1) {
+        for back in others.filter(|other| self.triangle(other).winding() == -1) {
             if backs.is_full() {
                 clamp = clamp.min(back.first);
             } else {
@@ -264,7 +271,7 @@ impl Direct<'_> {
             let off = |[x, y]: [f64; 2]| sign * (f64::from(form.a) * x + f64::from(form.b) * y + form.c as f64);
             let offs = polygon.corners.map(off);
             let farthest = (0..polygon.count).max_by(|i, j| offs[*i].total_cmp(&offs[*j]));
-            let is_off = |i: usize| offs[i] > 1.0 + (form.c as f64).abs() * (4.0 * ROUNDING);
+            let is_off = |i: usize| offs[i] > 2.0 + (form.c as f64).abs() * (4.0 * ROUNDING);
             share_edge(self.triangle(&front.entry), self.triangle(other), *key)
                 && farthest.is_some_and(|i| is_off(i) && distance(i) >= error)
         })
@@ -288,7 +295,7 @@ impl Direct<'_> {
         }
         let is_before_all = |ends: &Ends| behind.iter().all(|other| ends.is_before(other));
         let at_corners = |depths: &Depths, more: f64| depths.at.map(|depth| slices.of_units(depth + more));
-        let low = at_corners(front, rise + front.error)[..count].iter().max()? + 1;
+        let low = at_corners(front, rise + front.error)[..count].iter().max()?.saturating_add(1);
         let of_back = |back: &Depths| at_corners(back, -back.error)[..count].iter().copied().min();
         let high = backs.iter().filter_map(of_back).min().unwrap_or(all).min(clamp).min(all);
         let mut set = Set::constants(low.min(all), high);
@@ -338,6 +345,9 @@ impl Direct<'_> {
             return true;
         }
         if part.log2 > LEAF_LOG2 {
+            if part.log2 == PAUSE_LOG2 {
+                (self.build.pause)();
+            }
             return (0..4).all(|i| self.holds(wedge, part.child(i), leaves));
         }
         *leaves = leaves.saturating_sub(1);
@@ -430,7 +440,7 @@ impl WithSimd for Along<'_> {
         let covered = spread(texels);
         let first = leaf.first_center();
         let of = |depths: &Depths| direct.triangle(&depths.entry).leaf_slices(first, &covered, slices);
-        let enter = of(wedge.between.front).map(|slice| (slice + 1).min(all));
+        let enter = of(wedge.between.front).map(|slice| slice.wrapping_add(1).min(all));
         let mut exit = [wedge.between.clamp.min(all); 64];
         for back in wedge.between.backs {
             for (exit, slice) in exit.iter_mut().zip(of(back)) {

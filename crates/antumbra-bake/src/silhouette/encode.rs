@@ -40,15 +40,15 @@ pub(crate) fn encode(trees: Vec<Tree>, memory_limit: u64, pause: Pause<'_>) -> R
     let mut pool = vec![forms.len() as u32];
     pool.resize(HEADER_WORDS, 0);
     pool.extend(forms.iter().flat_map(|form| form.to_words()));
+    if pool.len() + trees.iter().map(Tree::words).sum::<usize>() > MOST_PAYLOAD as usize {
+        return Err(EncodeError::TooManyWords);
+    }
     let mut layout = Layout { numbers: numbers.into_iter(), next: pool.len(), pieces: Vec::new() };
     let (mut roots, mut pieces_of) = (Vec::new(), Vec::new());
     for tree in &trees {
         let before = layout.pieces.len();
         roots.push(layout.tile(tree));
         pieces_of.push(before..layout.pieces.len());
-    }
-    if layout.next > MOST_PAYLOAD as usize {
-        return Err(EncodeError::TooManyWords);
     }
     let (first_node, pieces) = (pool.len(), layout.pieces);
     pool.resize(layout.next, 0);
@@ -139,6 +139,7 @@ impl Piece<'_> {
     fn write(&self, place: &mut [u32], pause: Pause<'_>) -> NodeCounts {
         match self {
             Self::Part { part, forms, begin } => {
+                pause();
                 place.copy_from_slice(&part.nodes);
                 let mut moved = Moved { nodes: place, begin: *begin, forms, counts: NodeCounts::default(), pause };
                 moved.tile(part.root);

@@ -25,7 +25,7 @@ pub(crate) enum Side {
 pub(crate) struct Plane(u32);
 
 impl Plane {
-    /// Triangles from this number on have no planes.
+    /// Triangles behind this one have no planes.
     pub const MOST_TRIANGLES: u32 = (1 << 29) - 1;
 
     pub fn new(triangle: u32, side: Side) -> Self {

@@ -2,16 +2,17 @@
 
 use antumbra::format::silhouette::Form;
 
-use super::accept::{Forms, corners};
+use super::accept::{Forms, ROUNDING, corners};
 use super::form::{Plane, Side, Surface};
 use super::sketch::Set;
-use crate::columns::{Entry, Tile};
+use crate::columns::{BuildTriangle, Entry, Tile};
+use crate::light_space::Slices;
 
 /// Longer lists are not looked at.
 const MOST_LOOKED_AT: usize = 64;
 /// Fronts and backs that are tried.
 const MOST_SIDES: usize = 6;
-/// More than depths in double precision err by: in slices, and in lattice steps, in whole ones of which a local light's slices begin.
+/// More than depths in double precision err by, but for steep planes: in slices, and in lattice steps, in whole ones of which a local light's slices begin.
 const ERROR: [f64; 2] = [1.0 / 8192.0, 3.0];
 
 /// Adds planes that are right in a tile whose constants lie in a gap: behind all that lies before the gap, before all that lies
@@ -51,6 +52,13 @@ pub(crate) fn add_planes(
             }
         }
     }
+}
+
+/// By how much a triangle's depths at some points may be off, in units.
+pub(super) fn depth_error<const N: usize>(t: &BuildTriangle, points: &[[f64; 2]; N], slices: &Slices) -> f64 {
+    let [sx, sy] = t.slope.map(f64::abs);
+    let terms = |[x, y]: &[f64; 2]| (x - f64::from(t.x[0])).abs() * sx + (y - f64::from(t.y[0])).abs() * sy;
+    ERROR[usize::from(!slices.are_even())] + points.iter().map(terms).fold(0.0, f64::max) * (4.0 * ROUNDING)
 }
 
 /// Values of planes at a tile's corners, in units.
@@ -95,6 +103,7 @@ impl Gap {
         let [next, own] = [true, false].map(|is_next| slices.value_of(is_next));
         for entry in entries {
             let t = &forms.triangles[entry.triangle as usize];
+            self.error = self.error.max(depth_error(t, &at_corners, slices));
             if t.is_edge_on() || entry.triangle > Plane::MOST_TRIANGLES {
                 return None;
             }

@@ -35,6 +35,7 @@ pub(crate) struct Part {
 impl Tree {
     /// Chooses depths. The sketch is gone bit by bit.
     pub fn new(sketch: Sketch, forms: &Forms<'_>, pause: Pause<'_>) -> Self {
+        pause();
         let recent = Vec::with_capacity(RECENT);
         let part = Part::default();
         let mut writer = Writer { part, numbers: FxHashMap::default(), forms, recent, tiles: 0, pause };
@@ -50,6 +51,14 @@ impl Tree {
         match self {
             Self::Part(part) => each(part),
             Self::Inner(children) => children.iter().for_each(|child| child.for_each_part(each)),
+        }
+    }
+
+    /// Words of its nodes.
+    pub fn words(&self) -> usize {
+        match self {
+            Self::Part(part) => part.nodes.len(),
+            Self::Inner(children) => 4 + children.iter().map(Self::words).sum::<usize>(),
         }
     }
 
