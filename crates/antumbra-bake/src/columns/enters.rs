@@ -40,7 +40,7 @@ impl EnterGrid {
 
     /// All rays of a tile are first shadowed in a slice from `least` to `greatest`.
     pub(super) fn insert(&self, tile: Tile, [least, greatest]: [u32; 2]) {
-        let shift = self.resolution.log2() - self.log2_cells;
+        let shift = self.cell_log2();
         let side = (1 << tile.log2 >> shift).max(1);
         for y in 0..side {
             for x in 0..side {
@@ -68,6 +68,11 @@ impl EnterGrid {
             greatest: stored(greatest.load(Ordering::Relaxed), up),
         };
         self.least.iter().zip(&self.greatest).map(cell).collect()
+    }
+
+    /// log2 of a cell's texels per side.
+    pub(crate) fn cell_log2(&self) -> u32 {
+        self.resolution.log2() - self.log2_cells
     }
 
     /// log2 of the cells per side.

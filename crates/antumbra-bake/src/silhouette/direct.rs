@@ -14,7 +14,7 @@ use super::form::{EdgeKey, Plane, Side, Surface};
 use super::gap::depth_error;
 use super::leaf::{depths_at, left_of};
 use super::sketch::{Cut, Set, Sketch};
-use crate::columns::{Build, BuildTriangle, COVERS, CUTOUT, Entry, LEAF_LOG2, Leaf, Tile, spread};
+use crate::columns::{Build, BuildTriangle, COVERS, CUTOUT, EnterGrid, Entry, LEAF_LOG2, Leaf, Tile, spread};
 
 /// Longer lists are not looked at.
 const MOST_ENTRIES: usize = 48;
@@ -29,11 +29,9 @@ const PAUSE_LOG2: u32 = 8;
 
 /// A tile that at most two edges part into regions with one front each.
 ///
-/// `entries` are sorted by their first slices; what was dropped lies no nearer than `clamp`, where all texels are in shadow. Not where enter depths are
-/// wanted, which take every texel's.
+/// `entries` are sorted by their first slices; what was dropped lies no nearer than `clamp`, where all texels are in shadow.
 pub(crate) fn sketch(build: &Build<'_>, tile: Tile, entries: &[Entry], clamp: u32, forms: Forms<'_>) -> Option<Sketch> {
-    let is_simple =
-        tile.log2 > 4 && entries.len() <= MOST_ENTRIES && !build.freedom.is_behind_open() && build.enters.is_none();
+    let is_simple = tile.log2 > 4 && entries.len() <= MOST_ENTRIES && !build.freedom.is_behind_open();
     if !is_simple || entries.iter().any(|e| e.has(CUTOUT) || e.triangle > Plane::MOST_TRIANGLES) {
         return None;
     }
@@ -138,11 +136,17 @@ impl Direct<'_> {
     fn sketch(&self) -> Option<Sketch> {
         let count = self.edges.len();
         let mut regions: [Option<Set>; 4] = [None; 4];
+        let mut fronts: ArrayVec<(usize, Option<Entry>), 4> = ArrayVec::new();
         for (number, region) in regions.iter_mut().enumerate().take(1 << count) {
             if count < 2 || self.has_texels(number) {
                 let sides = self.edges.iter().enumerate().map(|(bit, (_, form))| (*form, number >> bit & 1 != 0));
-                *region = Some(self.set(number, &Polygon::of_part(self.tile, sides))?);
+                let (front, set) = self.set(number, &Polygon::of_part(self.tile, sides))?;
+                fronts.push((number, front));
+                *region = Some(set);
             }
+        }
+        if let Some(grid) = self.build.enters {
+            self.record_enters(self.tile, &fronts, grid);
         }
         // As few edges as will do. All planes were tried in all regions.
         let joint = |is_wanted: &dyn Fn(usize) -> bool| {
@@ -166,6 +170,32 @@ impl Direct<'_> {
             }
         }
         cut(&self.edges, regions)
+    }
+
+    /// Notes between which slices rays of a part of the tile are first shadowed, given each region's front.
+    fn record_enters(&self, part: Tile, fronts: &[(usize, Option<Entry>)], grid: &EnterGrid) {
+        if part.log2 > grid.cell_log2().max(LEAF_LOG2) {
+            return (0..4).for_each(|i| self.record_enters(part.child(i), fronts, grid));
+        }
+        let polygon = Polygon::of_tile(part);
+        for (_, front) in fronts.iter().filter(|(number, _)| !self.is_elsewhere(*number, part)) {
+            let span = front.map_or([u32::MAX; 2], |front| {
+                let depths = self.depths(&front, &polygon);
+                let slices = depths.at.map(|depth| {
+                    [-1.0, 1.0].map(|sign| self.build.slices.of_units(depth + sign * depths.error).saturating_add(1))
+                });
+                slices[1..polygon.count].iter().fold(slices[0], |a, b| [a[0].min(b[0]), a[1].max(b[1])])
+            });
+            self.build.record_enters(part, span);
+        }
+    }
+
+    /// Whether a part of the tile has no texel of a region, as far as its corners tell.
+    fn is_elsewhere(&self, number: usize, part: Tile) -> bool {
+        self.edges.iter().enumerate().any(|(bit, (_, form))| {
+            let is_left = number >> bit & 1 != 0;
+            corners(part).iter().all(|texel| (form.at(*texel) >= 0) != is_left)
+        })
     }
 
     /// Whether a region between two edges has any texel.
@@ -222,8 +252,8 @@ impl Direct<'_> {
         Depths { entry: *entry, at, error }
     }
 
-    /// The depths that suit all of a region's rays, as far as its corners tell, and texels along its edges.
-    fn set(&self, number: usize, polygon: &Polygon) -> Option<Set> {
+    /// The front by which all of a region's rays enter, and the depths that suit them, as far as its corners tell, and texels along its edges.
+    fn set(&self, number: usize, polygon: &Polygon) -> Option<(Option<Entry>, Set)> {
         let all = self.build.slices.resolution().texels();
         let present: ArrayVec<(&Entry, Presence), MOST_ENTRIES> = self
             .entries
@@ -232,7 +262,7 @@ impl Direct<'_> {
             .filter(|(_, presence)| *presence != Presence::Absent)
             .collect();
         if present.is_empty() {
-            return (self.clamp >= all).then(|| Set::constants(all, all));
+            return (self.clamp >= all).then(|| (None, Set::constants(all, all)));
         }
         let whole = present.iter().filter(|(_, presence)| *presence == Presence::Whole);
         let front = self.nearest(whole.map(|(entry, _)| *entry), polygon)?;
@@ -250,7 +280,8 @@ impl Direct<'_> {
                 backs.push(self.depths(back, polygon));
             }
         }
-        self.set_between(Between { number, polygon, front: &front, backs: &backs, clamp })
+        let set = self.set_between(Between { number, polygon, front: &front, backs: &backs, clamp })?;
+        Some((Some(front.entry), set))
     }
 
     /// Whether a triangle lies behind a front wherever both are in a region, or in the tile.
@@ -337,11 +368,7 @@ impl Direct<'_> {
 
     /// Whether a wedge is right at all of a region's texels in a part of the tile, if that takes no more than so many leaves to tell.
     fn holds(&self, wedge: &Wedge<'_>, part: Tile, leaves: &mut u32) -> bool {
-        let is_elsewhere = |(bit, (_, form)): (usize, &(EdgeKey, Form))| {
-            let is_left = wedge.between.number >> bit & 1 != 0;
-            corners(part).iter().all(|texel| (form.at(*texel) >= 0) != is_left)
-        };
-        if self.edges.iter().enumerate().any(is_elsewhere) || self.is_clear(wedge, part) {
+        if self.is_elsewhere(wedge.between.number, part) || self.is_clear(wedge, part) {
             return true;
         }
         if part.log2 > LEAF_LOG2 {
