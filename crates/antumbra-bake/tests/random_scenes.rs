@@ -8,7 +8,7 @@ use antumbra_bake::{BakeOptions, Encoding};
 use antumbra_scene::Scene;
 use common::{
     Checked, TestMesh as Mesh, bake_for_check, check_all, check_texels, cuboid, loose, options, scene, solid, soup,
-    sun, turned,
+    sun, turned, with_oracle,
 };
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
@@ -93,17 +93,26 @@ proptest! {
         check(&scene, direction, interior, 512).map_err(TestCaseError::fail)?;
     }
 
-    /// Great tiles are solved at once there: texels along all edges, and rows through everything.
+    /// Great tiles are solved at once there: texels along all edges, and rows through everything. Enter depths bound every ray.
     #[test]
     fn silhouettes_agree_at_great_resolutions(
         meshes in meshes(), direction in direction(), interior in interior(), rows in prop::array::uniform4(0u32..16384)
     ) {
         let scene = scene(meshes, DAffine3::IDENTITY);
         let options = BakeOptions { encoding: Some(Encoding::Silhouette), ..options(interior, 16384, 1) };
+        let options = BakeOptions { enter_depths: true, ..options };
         let checked = bake_for_check(&scene, &sun(direction), &options);
         let in_rows = || rows.into_iter().flat_map(|row| (0..16384).flat_map(move |i| [[i, row], [row, i]]));
         check_texels(&checked, in_rows).map_err(TestCaseError::fail)?;
         check_texels(&checked, || along_edges(&checked).into_iter()).map_err(TestCaseError::fail)?;
+        let unbounded = with_oracle(&checked, 0, |oracle| {
+            in_rows().chain(along_edges(&checked)).find(|[x, y]| {
+                let enter = oracle.interval(*x, *y).enter;
+                let [least, greatest] = checked.light().enter_bounds(0, [*x, *y]).unwrap();
+                enter < least || enter > greatest
+            })
+        });
+        prop_assert_eq!(unbounded, None, "a ray enters outside its bounds");
     }
 
     #[test]
