@@ -16,6 +16,8 @@ use super::leaf::{depths_at, left_of};
 use super::sketch::{Cut, Set, Sketch};
 use crate::columns::{Build, BuildTriangle, COVERS, CUTOUT, EnterGrid, Entry, LEAF_LOG2, Leaf, Tile, spread};
 
+/// log2 of the least tiles that are tried: at half that side four leaves are as quick, and find more.
+const LEAST_LOG2: u32 = 5;
 /// Longer lists are not looked at.
 const MOST_ENTRIES: usize = 48;
 /// Triangles where rays leave a region that count as planes; others by the slice where they begin.
@@ -31,7 +33,7 @@ const PAUSE_LOG2: u32 = 8;
 ///
 /// `entries` are sorted by their first slices; what was dropped lies no nearer than `clamp`, where all texels are in shadow.
 pub(crate) fn sketch(build: &Build<'_>, tile: Tile, entries: &[Entry], clamp: u32, forms: Forms<'_>) -> Option<Sketch> {
-    let is_simple = tile.log2 > 4 && entries.len() <= MOST_ENTRIES && !build.freedom.is_behind_open();
+    let is_simple = tile.log2 >= LEAST_LOG2 && entries.len() <= MOST_ENTRIES && !build.freedom.is_behind_open();
     if !is_simple || entries.iter().any(|e| e.has(CUTOUT) || e.triangle > Plane::MOST_TRIANGLES) {
         return None;
     }
