@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 use pulp::{Simd, WithSimd};
 
 use super::accept::{CORNER_ERROR, Ends, Forms, MOST_CORNERS, Polygon, ROUNDING, corners};
-use super::form::{EdgeKey, Plane, Side, Surface};
+use super::form::{EdgeKey, Plane, Side, Surface, edge_of};
 use super::gap::depth_error;
 use super::leaf::{depths_at, left_of};
 use super::sketch::{Cut, Set, Sketch};
@@ -50,12 +50,6 @@ pub(crate) fn sketch(build: &Build<'_>, tile: Tile, entries: &[Entry], clamp: u3
     let edges = none.crossing_edges()?;
     let (fronts, backs) = (none.sides(Side::Past, 1), none.sides(Side::Before, -1));
     Direct { edges, fronts, backs, ..none }.sketch()
-}
-
-/// A triangle's edge, and whether the triangle lies to its left.
-fn key_of(triangle: &BuildTriangle, i: usize) -> (EdgeKey, bool) {
-    let [from, to] = triangle.edge_ends(i);
-    if from < to { ([from, to], true) } else { ([to, from], false) }
 }
 
 struct Direct<'a> {
@@ -103,7 +97,7 @@ impl Direct<'_> {
                 continue;
             }
             for i in 0..3 {
-                let (key, _) = key_of(triangle, i);
+                let (key, _) = edge_of(triangle, i);
                 if edges.iter().any(|(known, _)| *known == key) {
                     continue;
                 }
@@ -141,8 +135,7 @@ impl Direct<'_> {
         let mut fronts: ArrayVec<(usize, Option<Entry>), 4> = ArrayVec::new();
         for (number, region) in regions.iter_mut().enumerate().take(1 << count) {
             if count < 2 || self.has_texels(number) {
-                let sides = self.edges.iter().enumerate().map(|(bit, (_, form))| (*form, number >> bit & 1 != 0));
-                let (front, set) = self.set(number, &Polygon::of_part(self.tile, sides))?;
+                let (front, set) = self.set(number, &Polygon::of_part(self.tile, self.bounds(number)))?;
                 fronts.push((number, front));
                 *region = Some(set);
             }
@@ -174,14 +167,19 @@ impl Direct<'_> {
         cut(&self.edges, regions)
     }
 
+    /// The edges that bound a region, and whether it lies to the left of each.
+    fn bounds(&self, number: usize) -> impl Iterator<Item = (Form, bool)> {
+        self.edges.iter().enumerate().map(move |(bit, (_, form))| (*form, number >> bit & 1 != 0))
+    }
+
     /// Notes between which slices rays of a part of the tile are first shadowed, given each region's front.
     fn record_enters(&self, part: Tile, fronts: &[(usize, Option<Entry>)], grid: &EnterGrid) {
         if part.log2 > grid.cell_log2().max(LEAF_LOG2) {
             return (0..4).for_each(|i| self.record_enters(part.child(i), fronts, grid));
         }
-        let polygon = Polygon::of_tile(part);
-        for (_, front) in fronts.iter().filter(|(number, _)| !self.is_elsewhere(*number, part)) {
+        for (number, front) in fronts.iter().filter(|(number, _)| !self.is_elsewhere(*number, part)) {
             let span = front.map_or([u32::MAX; 2], |front| {
+                let polygon = Polygon::of_part(part, self.bounds(*number));
                 let depths = self.depths(&front, &polygon);
                 let slices = depths.at.map(|depth| {
                     [-1.0, 1.0].map(|sign| self.build.slices.of_units(depth + sign * depths.error).saturating_add(1))
@@ -194,29 +192,22 @@ impl Direct<'_> {
 
     /// Whether a part of the tile has no texel of a region, as far as its corners tell.
     fn is_elsewhere(&self, number: usize, part: Tile) -> bool {
-        self.edges.iter().enumerate().any(|(bit, (_, form))| {
-            let is_left = number >> bit & 1 != 0;
-            corners(part).iter().all(|texel| (form.at(*texel) >= 0) != is_left)
-        })
+        let is_beyond =
+            |(form, is_left): (Form, bool)| corners(part).iter().all(|texel| (form.at(*texel) >= 0) != is_left);
+        self.bounds(number).any(is_beyond)
     }
 
     /// Whether a region between two edges has any texel.
     fn has_texels(&self, number: usize) -> bool {
         let Tile { x, y, log2 } = self.tile;
         let last = x + (1 << log2) - 1;
-        let is_in = |texel: [u32; 2]| {
-            self.edges.iter().enumerate().all(|(bit, (_, form))| (form.at(texel) >= 0) == (number >> bit & 1 != 0))
+        let is_in = |texel: [u32; 2]| self.bounds(number).all(|(form, is_left)| (form.at(texel) >= 0) == is_left);
+        let has_any = |y: u32| {
+            let row = [i64::from(x), i64::from(last)];
+            let [first, last] = self.bounds(number).fold(row, |row, (form, is_left)| on_side(&form, y, is_left, row));
+            first <= last
         };
-        corners(self.tile).into_iter().any(is_in)
-            || (y..y + (1 << log2)).any(|y| {
-                let row = [i64::from(x), i64::from(last)];
-                let [first, last] = self
-                    .edges
-                    .iter()
-                    .enumerate()
-                    .fold(row, |row, (bit, (_, form))| on_side(form, y, number >> bit & 1 != 0, row));
-                first <= last
-            })
+        corners(self.tile).into_iter().any(is_in) || (y..y + (1 << log2)).any(has_any)
     }
 
     fn presence(&self, entry: &Entry, number: usize) -> Presence {
@@ -226,7 +217,7 @@ impl Direct<'_> {
         }
         let mut presence = Presence::Whole;
         for i in (0..3).filter(|_| !entry.has(COVERS)) {
-            let (key, is_left) = key_of(triangle, i);
+            let (key, is_left) = edge_of(triangle, i);
             let is_inside = match self.edges.iter().position(|(edge, _)| *edge == key) {
                 Some(bit) => Some((number >> bit & 1 != 0) == is_left),
                 None => {
@@ -356,9 +347,7 @@ impl Direct<'_> {
             }
             for (triangle, [past, deep], [past_ends, deep_ends]) in &pasts {
                 let wedge = Wedge { planes: [*past, *deep, *before], between };
-                let fits = |other: &Ends| {
-                    deep_ends.is_before(other) || (past_ends.is_before(other) && before_ends.is_before(other))
-                };
+                let fits = |other: &Ends| wedge_is_before([past_ends, deep_ends, &before_ends], other);
                 let is_own = *triangle == front.entry.triangle;
                 if behind.iter().all(fits) || (is_own && self.holds(&wedge, self.tile, &mut leaves)) {
                     set.push(Surface::wedge(*triangle, *back));
@@ -391,7 +380,7 @@ impl Direct<'_> {
         let [past, deep, before] = wedge.planes;
         let (past, before) = (Ends::new(past, &polygon), Ends::new(before, &polygon));
         let Some(deep) = Ends::of_deep(deep, &polygon, &self.forms) else { return false };
-        let fits = |other: &Ends| deep.is_before(other) || (past.is_before(other) && before.is_before(other));
+        let fits = |other: &Ends| wedge_is_before([&past, &deep, &before], other);
         let of_back = |back: &Depths| {
             let depths = self.depths(&back.entry, &polygon);
             polygon.values(depths.at.map(|d| slices.value_of(false).of(d)), depths.error)
@@ -401,6 +390,11 @@ impl Direct<'_> {
         backs.iter().map(of_back).all(|other| fits(&other))
             && (clamp >= slices.resolution().texels() || fits(&of_clamp()))
     }
+}
+
+/// Whether a wedge, max(past, min(deep, before)), lies before a plane throughout: past is the nearer of past and deep.
+fn wedge_is_before([past, deep, before]: [&Ends; 3], other: &Ends) -> bool {
+    deep.is_before(other) || (past.is_before(other) && before.is_before(other))
 }
 
 /// Of a row of texels from one to another: those on a side of an edge, if they are not none.
@@ -462,9 +456,9 @@ impl WithSimd for Along<'_> {
         let slices = direct.build.slices;
         let all = slices.resolution().texels();
         let mut texels = u64::MAX;
-        for (bit, (_, form)) in direct.edges.iter().enumerate() {
-            let left = left_of(*form, leaf);
-            texels &= if wedge.between.number >> bit & 1 != 0 { left } else { !left };
+        for (form, is_left) in direct.bounds(wedge.between.number) {
+            let left = left_of(form, leaf);
+            texels &= if is_left { left } else { !left };
         }
         let covered = spread(texels);
         let first = leaf.first_center();

@@ -8,6 +8,13 @@ use crate::light_space::{Resolution, Slices};
 /// An edge's ends on the lattice, the lesser first: one edge has one key, whichever triangles share it.
 pub(crate) type EdgeKey = [[i32; 2]; 2];
 
+/// Edge `i` of a triangle, and whether the triangle lies to its left.
+#[inline(always)]
+pub(crate) fn edge_of(triangle: &BuildTriangle, i: usize) -> (EdgeKey, bool) {
+    let [from, to] = triangle.edge_ends(i);
+    if from < to { ([from, to], true) } else { ([to, from], false) }
+}
+
 /// Which of a triangle's depths a plane stands for, as a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {

@@ -5,7 +5,7 @@ use antumbra::format::slices::Spread;
 use arrayvec::ArrayVec;
 
 use super::accept::{Forms, corners};
-use super::form::{EdgeKey, Plane, Side, Surface};
+use super::form::{EdgeKey, Plane, Side, Surface, edge_of};
 use super::sketch::{Cut, Set, Sketch, Turn};
 use pulp::{Simd, WithSimd};
 
@@ -375,8 +375,8 @@ fn edges(leaf: Leaf<'_>, entries: &[Entry], forms: &Forms<'_>) -> ArrayVec<(Edge
             continue;
         }
         for i in 0..3 {
-            let [from, to] = triangle.edge_ends(i);
-            let (key, way) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
+            let (key, is_left) = edge_of(triangle, i);
+            let way = if is_left { 1 } else { -1 };
             if let Some((_, _, sum)) = found.iter_mut().find(|(known, _, _)| *known == key) {
                 *sum += way;
                 continue;
