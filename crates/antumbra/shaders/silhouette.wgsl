@@ -21,7 +21,7 @@ const ANTUMBRA_INNER: u32 = 3u;
 const ANTUMBRA_CUT: u32 = 4u;
 // Two edges, and four references: bit i of their order is set to the left of edge i.
 const ANTUMBRA_CROSS: u32 = 5u;
-// Depths by masks, 8 x 8 texels: how many, bits of the texels' turns, and depths.
+// Depths by masks, 8 x 8 texels: how many, the first, bits of the texels' turns, and how far the other depths lie behind the first.
 const ANTUMBRA_MASKS: u32 = 6u;
 // A plane half a slice behind its deepest point within each texel.
 const ANTUMBRA_DEEP: u32 = 7u;
@@ -210,17 +210,35 @@ fn antumbra_plane(part: u32, i: u32, is_even: bool) -> AntumbraForm {
     return form;
 }
 
-// A tile of masks: how many depths there are, where its masks begin, one for each bit of texels' turns, and where its depths do.
+// A tile of masks: its first word, where its masks begin, one for each bit of texels' turns, and where the differences of its depths do.
 struct AntumbraTurns {
-    count: u32,
+    head: u32,
     masks: u32,
-    depths: u32,
+    steps: u32,
 }
 
 fn antumbra_turns(tile: u32) -> AntumbraTurns {
     let at = antumbra_payload(tile);
-    let count = antumbra_word(at);
-    return AntumbraTurns(count, at + 1u, at + 1u + 2u * (32u - countLeadingZeros(count)));
+    let head = antumbra_word(at);
+    return AntumbraTurns(head, at + 1u, at + 1u + 2u * (32u - countLeadingZeros(antumbra_turn_count(head))));
+}
+
+// How many depths there are.
+fn antumbra_turn_count(head: u32) -> u32 {
+    return (head >> 20u) & 0x7fu;
+}
+
+// The depth of a turn.
+fn antumbra_depth_of_turn(turns: AntumbraTurns, turn: u32) -> u32 {
+    let first = turns.head & 0xfffffu;
+    if turn == 0u {
+        return first;
+    }
+    // 8, 16 or 32 bits for each difference.
+    let width = turns.head >> 27u;
+    let bit = (turn - 1u) << (3u + width);
+    let most = 0xffffffffu >> (32u - (8u << width));
+    return first + ((antumbra_word(turns.steps + (bit >> 5u)) >> (bit & 31u)) & most);
 }
 
 // The first shadowed slice at a texel of a tile of masks, of N slices.
@@ -228,26 +246,27 @@ fn antumbra_turn_depth(tile: u32, texel: vec2<u32>, slices: u32) -> u32 {
     let turns = antumbra_turns(tile);
     let bit = 8u * (texel.y & 3u) + (texel.x & 7u);
     var turn = 0u;
-    for (var mask = turns.masks; mask < turns.depths; mask += 2u) {
+    for (var mask = turns.masks; mask < turns.steps; mask += 2u) {
         turn |= ((antumbra_word(mask + ((texel.y >> 2u) & 1u)) >> bit) & 1u) << ((mask - turns.masks) >> 1u);
     }
-    if turn == turns.count {
+    if turn == antumbra_turn_count(turns.head) {
         return slices;
     }
-    return antumbra_word(turns.depths + turn);
+    return antumbra_depth_of_turn(turns, turn);
 }
 
 // The texels of a tile of masks that are lit in slice z: those whose turn is not before the first depth behind it.
 fn antumbra_turn(tile: u32, z: u32) -> vec2<u32> {
     let turns = antumbra_turns(tile);
     var turn = 0u;
-    while turn < turns.count && antumbra_word(turns.depths + turn) <= z {
+    let count = antumbra_turn_count(turns.head);
+    while turn < count && antumbra_depth_of_turn(turns, turn) <= z {
         turn++;
     }
     // From the highest bit on: those that were less, and those that were the same.
     var before = vec2(0u);
     var same = vec2(0xffffffffu);
-    for (var mask = turns.depths; mask > turns.masks; mask -= 2u) {
+    for (var mask = turns.steps; mask > turns.masks; mask -= 2u) {
         let bits = vec2(antumbra_word(mask - 2u), antumbra_word(mask - 1u));
         let is_set = ((turn >> ((mask - turns.masks - 2u) >> 1u)) & 1u) != 0u;
         before |= select(vec2(0u), same & ~bits, is_set);

@@ -51,13 +51,15 @@ impl Forms<'_> {
         })
     }
 
-    /// A shape's values at a polygon's corners.
-    fn over(&self, shape: &Shape, polygon: &Polygon) -> Option<Over> {
-        let mut ends = [Ends::NONE; 3];
-        for (ends, (form, is_deep)) in ends.iter_mut().zip(&shape.planes[..shape.count]) {
-            *ends = if *is_deep { Ends::of_deep(*form, polygon, self)? } else { Ends::new(*form, polygon) };
+    /// A shape's values at a polygon's corners; whether they can be told.
+    fn evaluate(&self, shape: &Shape, polygon: &Polygon, over: &mut Over) -> bool {
+        (over.first, over.count) = (shape.first, shape.count);
+        for (ends, (form, is_deep)) in over.ends.iter_mut().zip(&shape.planes[..shape.count]) {
+            let own = if *is_deep { Ends::of_deep(*form, polygon, self) } else { Some(Ends::new(*form, polygon)) };
+            let Some(own) = own else { return false };
+            *ends = own;
         }
-        Some(Over { ends, first: shape.first, count: shape.count })
+        true
     }
 
     /// The least whole value of a plane whose depth is so deep, 1 to N.
@@ -66,27 +68,32 @@ impl Forms<'_> {
     }
 }
 
+/// Shapes that are kept, a power of two.
+const KEPT_SHAPES: usize = 64;
+
 /// Surfaces of which some are right throughout a part of a tile, and others may be. Kept from tile to tile, for its lists.
 pub(crate) struct Candidates<'a> {
     pub forms: Forms<'a>,
-    /// Each once, with its shape where it has been asked for.
-    surfaces: Vec<(Surface, Option<Option<Shape>>)>,
-    /// Their values over the part at hand, where they have been asked for.
-    over: Vec<Option<Option<Over>>>,
+    /// Each once.
+    surfaces: Vec<Surface>,
+    /// Their values over the part at hand, and whether they can be told, where they have been asked for.
+    over: Vec<(Option<bool>, Over)>,
+    /// Shapes that were asked for lately, each at a place of its surface's: neighbours have the same ones.
+    shapes: Vec<(Surface, Option<Shape>)>,
 }
 
 impl<'a> Candidates<'a> {
     /// None yet.
     pub fn new(forms: Forms<'a>) -> Self {
-        Self { forms, surfaces: Vec::new(), over: Vec::new() }
+        Self { forms, surfaces: Vec::new(), over: Vec::new(), shapes: vec![(Surface::NONE, None); KEPT_SHAPES] }
     }
 
     /// Takes the surfaces of some sets.
     pub fn gather<'s>(&mut self, sets: impl IntoIterator<Item = &'s Set>) {
         self.surfaces.clear();
         for surface in sets.into_iter().flat_map(Set::surfaces) {
-            if !self.surfaces.iter().any(|(known, _)| *known == surface) {
-                self.surfaces.push((surface, None));
+            if !self.surfaces.contains(&surface) {
+                self.surfaces.push(surface);
             }
         }
     }
@@ -96,28 +103,32 @@ impl<'a> Candidates<'a> {
     }
 
     pub fn surface(&self, number: usize) -> Surface {
-        self.surfaces[number].0
+        self.surfaces[number]
     }
 
     /// Turns to another part.
     pub fn forget(&mut self) {
-        self.over.clear();
-        self.over.resize_with(self.surfaces.len(), || None);
+        let missing = self.surfaces.len().saturating_sub(self.over.len());
+        self.over.extend(std::iter::repeat_n((None, Over::NONE), missing));
+        self.over.iter_mut().for_each(|(is_told, _)| *is_told = None);
     }
 
     /// Finds a surface's values over a polygon: they are in `over` then.
     fn evaluate(&mut self, number: usize, polygon: &Polygon) {
-        let Self { forms, surfaces, over } = self;
-        let (surface, shape) = &mut surfaces[number];
-        if over[number].is_none() {
-            let shape = shape.get_or_insert_with(|| forms.shape(*surface));
-            over[number] = Some(shape.as_ref().and_then(|shape| forms.over(shape, polygon)));
+        let Self { forms, surfaces, over, shapes } = self;
+        let (is_told @ None, over) = &mut over[number] else { return };
+        let surface = surfaces[number];
+        let (kept, shape) = &mut shapes[surface.hash() as usize % KEPT_SHAPES];
+        if *kept != surface {
+            (*kept, *shape) = (surface, forms.shape(surface));
         }
+        *is_told = Some(shape.as_ref().is_some_and(|shape| forms.evaluate(shape, polygon, over)));
     }
 
     /// A surface's values over the part at hand, which were found before.
     fn over(&self, number: usize) -> Option<&Over> {
-        self.over[number].as_ref()?.as_ref()
+        let (is_told, over) = &self.over[number];
+        (*is_told == Some(true)).then_some(over)
     }
 
     /// Whether a surface is right throughout a polygon: not before what must be lit, not behind what must be shadowed, both of which
@@ -146,7 +157,7 @@ impl<'a> Candidates<'a> {
         relation: impl Fn(&Over, &Over) -> bool,
     ) -> bool {
         set.surfaces().any(|known| {
-            let Some(known) = self.surfaces.iter().position(|(surface, _)| *surface == known) else { return false };
+            let Some(known) = self.surfaces.iter().position(|surface| *surface == known) else { return false };
             self.evaluate(known, polygon);
             self.over(number).zip(self.over(known)).is_some_and(|(own, known)| relation(own, known))
         })
@@ -291,6 +302,8 @@ struct Over {
 }
 
 impl Over {
+    const NONE: Self = Self { ends: [Ends::NONE; 3], first: 0, count: 0 };
+
     fn groups(&self) -> impl Iterator<Item = &[Ends]> {
         let (first, rest) = self.ends[..self.count].split_at(self.first);
         [first, rest].into_iter().filter(|group| !group.is_empty())

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use antumbra::format::dag8::NodeCounts;
 use antumbra::format::silhouette::{
-    FORM_WORDS, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, kind, payload, plane_of_pair, reference,
+    FORM_WORDS, HEADER_WORDS, Kind, MOST_PAYLOAD, Pair, Turns, kind, payload, plane_of_pair, reference,
 };
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -199,7 +199,7 @@ impl Moved<'_> {
                 let words = pair.to_words(planes.map(|(number, is_deep)| (self.forms[number], is_deep)));
                 self.nodes[at..at + 2].copy_from_slice(&words);
             }
-            Kind::Masks => self.counts.masks += u64::from(self.nodes[at]),
+            Kind::Masks => self.counts.masks += Turns::read(&self.nodes, at).count() as u64,
             Kind::Plane | Kind::Deep | Kind::Depth => {}
         }
         in_pool(tile, self.forms, self.begin)

@@ -109,6 +109,12 @@ impl Surface {
         Self { first: a.max(b), second: a.min(b) }
     }
 
+    /// Spreads surfaces over places, by its low bits.
+    pub fn hash(self) -> u32 {
+        let mixed = (self.first.0 ^ self.second.0.rotate_left(16)).wrapping_mul(0x9e37_79b9);
+        mixed >> 16
+    }
+
     pub fn second(self) -> Second {
         match self.second {
             Self::NO_PLANE => Second::None,
@@ -122,9 +128,10 @@ impl Surface {
 /// Bits of a plane's slopes.
 const SLOPE_BITS: i32 = 30;
 /// Most bits behind the binary point of planes that count in slices, and of those that count in lattice steps.
-const MOST_SHIFT: [i32; 2] = [30, MOST_LOCAL_SHIFT as i32];
+const MOST_SHIFT: [i32; 2] = [FRACTION_BITS as i32, MOST_LOCAL_SHIFT as i32];
+pub(super) const FRACTION_BITS: u32 = 30;
 /// 1.5 * 2^52: doubles near it are whole numbers.
-const ROUNDER: f64 = (3u64 << 51) as f64;
+pub(super) const ROUNDER: f64 = (3u64 << 51) as f64;
 /// Bits of a slice that a hair is.
 const HAIR_BITS: u32 = 12;
 /// A hair in lattice steps.

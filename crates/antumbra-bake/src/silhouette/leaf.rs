@@ -5,7 +5,7 @@ use antumbra::format::slices::Spread;
 use arrayvec::ArrayVec;
 
 use super::accept::{Forms, corners};
-use super::form::{EdgeKey, Plane, Side, Surface, edge_of};
+use super::form::{EdgeKey, FRACTION_BITS, Plane, ROUNDER, Side, Surface, edge_of};
 use super::sketch::{Cut, Set, Sketch, Turn};
 use pulp::{Simd, WithSimd};
 
@@ -279,7 +279,7 @@ impl Surfaces<'_> {
         let right = self.right(&depths);
         if right != 0 {
             self.found.push((Surface::plane(plane), right));
-            if !self.single.is_full() {
+            if !self.single.is_full() && !plane.is_deep() {
                 self.single.push((plane, right, depths));
             }
         }
@@ -321,13 +321,55 @@ impl Surfaces<'_> {
 fn values(form: &Form, leaf: Leaf<'_>) -> [i64; 64] {
     let corner = form.at([leaf.tile.x, leaf.tile.y]);
     let [a, b] = [i64::from(form.a), i64::from(form.b)];
-    std::array::from_fn(|i| corner + a * (i & 7) as i64 + b * (i >> 3) as i64)
+    let across: [i64; 8] = std::array::from_fn(|x| a * x as i64);
+    let mut values = [0; 64];
+    for (y, row) in (0..).zip(values.chunks_exact_mut(8)) {
+        let first = corner + b * y;
+        row.iter_mut().zip(&across).for_each(|(value, step)| *value = first + step);
+    }
+    values
+}
+
+/// Most bits of numbers that doubles hold whole, with one more for a sum's carry.
+const EXACT_BITS: u32 = 51;
+
+/// A plane's depths at a leaf's texels where slices are even, 0 to N: whole numbers in doubles, whose products by powers of two are exact.
+/// `None` where they may be too great for that.
+#[inline(always)]
+fn even_depths_at(form: &Form, leaf: Leaf<'_>, slices: u32) -> Option<Lanes> {
+    let corner = form.at([leaf.tile.x, leaf.tile.y]);
+    if corner.unsigned_abs() >> EXACT_BITS != 0 || form.shift > FRACTION_BITS {
+        return None;
+    }
+    let unit = 1.0 / (1u64 << form.shift) as f64;
+    let [a, b, corner] = [f64::from(form.a), f64::from(form.b), corner as f64].map(|factor| factor * unit);
+    let across: [f64; 8] = std::array::from_fn(|x| a * x as f64);
+    let most = f64::from(slices);
+    // Half less than nothing rounds down what is whole, too.
+    let down = 0.5 - 0.5 / (1u64 << FRACTION_BITS) as f64;
+    let mut depths = [0; 64];
+    for (y, row) in (0..8).zip(depths.chunks_exact_mut(8)) {
+        let first = corner + b * f64::from(y);
+        for (depth, step) in row.iter_mut().zip(&across) {
+            let value = first + step;
+            let value = if value > 0.0 { value } else { 0.0 };
+            let value = if value < most { value } else { most };
+            // Adding so much rounds to a whole number and leaves it in the low bits.
+            *depth = ((value - down) + ROUNDER).to_bits() as u32;
+        }
+    }
+    Some(depths)
 }
 
 /// A plane's depths at a leaf's texels, or a deep one's.
 #[inline(always)]
 pub(super) fn depths_at(form: &Form, leaf: Leaf<'_>, slices: &Slices, is_deep: bool) -> Lanes {
     let spread = slices.spread();
+    if let Spread::Even(count) = spread
+        && let Some(depths) = even_depths_at(form, leaf, count)
+    {
+        return depths;
+    }
     let values = values(form, leaf).map(|value| value >> form.shift);
     if matches!(spread, Spread::Even(_)) {
         return values.map(|value| spread.depth(value));

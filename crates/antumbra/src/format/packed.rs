@@ -238,11 +238,11 @@ impl Packer<'_> {
             Kind::Depth => self.depth(at as u32),
             Kind::Masks => {
                 let turns = Turns::read(self.pool, at);
-                put(&mut self.streams[TURNS], turns.depths().len() as u64);
+                put(&mut self.streams[TURNS], turns.count() as u64);
                 let mut last = 0;
                 for depth in turns.depths() {
                     put(&mut self.streams[TURNS], u64::from(depth - last));
-                    last = *depth;
+                    last = depth;
                 }
                 let words = turns.masks().as_flattened().iter();
                 self.streams[MASKS].extend(words.flat_map(|word| word.to_le_bytes()));
@@ -406,23 +406,25 @@ impl Unpacker<'_> {
 
     fn masks(&mut self) -> Result<u32, FormatError> {
         let count = self.number(TURNS)?;
-        if !(1..=64).contains(&count) {
+        if !(1..=Turns::MOST_DEPTHS as u64).contains(&count) {
             return Err(IMPOSSIBLE);
         }
-        let count = count as usize;
+        let mut depths = [0u32; Turns::MOST_DEPTHS];
+        let depths = &mut depths[..count as usize];
+        let mut last = 0u32;
+        for depth in &mut *depths {
+            last = last.wrapping_add(self.number(TURNS)? as u32);
+            *depth = last;
+        }
+        if depths[0] > Turns::MOST_FIRST {
+            return Err(IMPOSSIBLE);
+        }
         let mut words = [0; Turns::MOST_WORDS];
-        words[0] = count as u32;
-        let all = Turns::words_for(count);
-        let (masks, depths) = words[1..all].split_at_mut(all - 1 - count);
+        let (masks, all) = Turns::lay_out(&mut words, depths);
         for word in masks {
             let (bytes, rest) = self.streams[MASKS].split_first_chunk::<4>().ok_or(CUT_OFF)?;
             self.streams[MASKS] = rest;
             *word = u32::from_le_bytes(*bytes);
-        }
-        let mut last = 0u32;
-        for depth in depths {
-            last = last.wrapping_add(self.number(TURNS)? as u32);
-            *depth = last;
         }
         self.node(Kind::Masks, &words[..all])
     }

@@ -36,9 +36,11 @@
 //! 3 inner   a node of four words, references to four tiles of half the side, x fastest
 //! 4 cut     a node of three words: an edge's number, and references for the texels to its right and its left
 //! 5 cross   a node of six words: two edges' numbers, and four references; bit i of their order is set to the left of edge i
-//! 6 masks   a node of 1 + 2p + n words, where p bits can tell 0 to n: n from 1 to 64, p masks of 8 x 8 texels (low word first; bit 8 y + x), and
-//!           n depths that rise. Bit i of a texel's *turn* is its bit in mask i: which of the depths, from 0, is its own, or n: it is lit
-//!           throughout. Each depth is some texel's. Tiles of 8 x 8 texels alone ([`Turns`])
+//! 6 masks   a node for 1 to 64 depths that rise: a word, p masks of 8 x 8 texels (low word first; bit 8 y + x), where p bits can tell 0 to the number of
+//!           depths, and by how much each depth but the first lies behind the first. Of the word bits 19..0 are the first depth, bits 26..20 their
+//!           number, and bits 28..27 say how many bits each difference takes: 0, 1, 2 for 8, 16, 32, no more than the last one needs; the first
+//!           one is in the lowest bits, unused ones are zero. Bit i of a texel's *turn* is its bit in mask i: which of the depths, from 0, is its own, or
+//!           their number: it is lit throughout. Each depth is some texel's. Tiles of 8 x 8 texels alone ([`Turns`])
 //! 7 deep    a form's number: the plane half a slice behind its deepest point within each texel. With v + e instead of v, where
 //!           e = (|a| + |b|) / 2 rounded down + 2^shift / 2 rounded down + 2^shift / 256 rounded down; of a local light
 //!           e = (|a| + |b|) / 2 rounded down + 2^shift, and each slice but the first counts from the middle of the one before on
@@ -204,40 +206,80 @@ impl Form {
 /// A tile of masks: at which depths its texels turn dark.
 #[derive(Clone, Copy)]
 pub struct Turns<'a> {
-    depths: &'a [u32],
+    /// Its first word.
+    head: u32,
     /// Bits of the texels' turns, two words each.
     planes: &'a [[u32; 2]],
+    /// By how much depths lie behind the first.
+    steps: &'a [u32],
 }
+
+/// Bits of a first depth, and of a number of depths.
+const DEPTH_BITS: u32 = 20;
+const COUNT_BITS: u32 = 7;
 
 impl<'a> Turns<'a> {
     /// Reads the node at a word of a pool.
     #[inline(always)]
     #[must_use]
     pub fn read(pool: &'a [u32], at: usize) -> Self {
-        let count = pool[at] as usize;
-        let (planes, rest) = pool[at + 1..].split_at(2 * Self::planes_for(count));
-        Self { depths: &rest[..count], planes: planes.as_chunks().0 }
+        let head = pool[at];
+        let (planes, rest) = pool[at + 1..].split_at(2 * Self::planes_for(Self::count_of(head)));
+        Self { head, planes: planes.as_chunks().0, steps: &rest[..Self::step_words(head)] }
     }
 
     /// The words of a node of 1 to 64 depths that rise, each with the texels that are lit behind it.
     pub fn to_words(turns: impl ExactSizeIterator<Item = (u32, u64)>) -> impl Iterator<Item = u32> {
         let count = turns.len();
-        let mut words = [0; Self::MOST_WORDS];
+        let mut depths = [0; Self::MOST_DEPTHS];
         let mut planes = [0u64; Self::MOST_PLANES];
-        let first_depth = 1 + 2 * Self::planes_for(count);
-        words[0] = count as u32;
-        for (word, (depth, lit)) in words[first_depth..].iter_mut().zip(turns) {
-            *word = depth;
+        for (place, (depth, lit)) in depths.iter_mut().zip(turns) {
+            *place = depth;
             // A texel turns as late as it is lit behind depths: count them, all texels at once.
             let mut carry = lit;
             for plane in &mut planes {
                 (*plane, carry) = (*plane ^ carry, *plane & carry);
             }
         }
-        for (words, plane) in words[1..first_depth].as_chunks_mut().0.iter_mut().zip(planes) {
+        let mut words = [0; Self::MOST_WORDS];
+        let (masks, all) = Self::lay_out(&mut words, &depths[..count]);
+        for (words, plane) in masks.as_chunks_mut().0.iter_mut().zip(planes) {
             *words = [plane as u32, (plane >> 32) as u32];
         }
-        words.into_iter().take(Self::words_for(count))
+        words.into_iter().take(all)
+    }
+
+    /// Writes the words of a node of 1 to 64 depths, but for its masks, which are left to the caller; how many words there are, too. Depths from
+    /// 2^20 on, and those that do not rise, give some node that is not valid, or another one.
+    pub(super) fn lay_out<'w>(words: &'w mut [u32; Turns::MOST_WORDS], depths: &[u32]) -> (&'w mut [u32], usize) {
+        let [first, last] = [depths[0], depths[depths.len() - 1]];
+        let width = match last.wrapping_sub(first) {
+            0..0x100 => 0,
+            0x100..0x1_0000 => 1,
+            _ => 2,
+        };
+        let first_bits = first & ((1 << DEPTH_BITS) - 1);
+        let head = first_bits | ((depths.len() as u32) << DEPTH_BITS) | (width << (DEPTH_BITS + COUNT_BITS));
+        words[0] = head;
+        let (masks, rest) = words[1..].split_at_mut(2 * Self::planes_for(depths.len()));
+        let most = u32::MAX >> (32 - (8 << width));
+        for (i, depth) in depths[1..].iter().enumerate() {
+            let bit = i << (3 + width);
+            rest[bit >> 5] |= (depth.wrapping_sub(first) & most) << (bit & 31);
+        }
+        (masks, Self::words_of(head))
+    }
+
+    /// How many depths there are.
+    #[inline(always)]
+    fn count_of(head: u32) -> usize {
+        (head >> DEPTH_BITS & ((1 << COUNT_BITS) - 1)) as usize
+    }
+
+    /// log2 of the bits of a difference, less 3.
+    #[inline(always)]
+    fn width_of(head: u32) -> u32 {
+        head >> (DEPTH_BITS + COUNT_BITS)
     }
 
     /// Bits that can tell 0 to `count`.
@@ -246,21 +288,53 @@ impl<'a> Turns<'a> {
         (usize::BITS - count.leading_zeros()) as usize
     }
 
-    /// Words of a node of so many depths.
-    #[must_use]
-    pub fn words_for(count: usize) -> usize {
-        1 + 2 * Self::planes_for(count) + count
+    /// Words of the differences.
+    #[inline(always)]
+    fn step_words(head: u32) -> usize {
+        ((Self::count_of(head) - 1) << Self::width_of(head)).div_ceil(4)
     }
 
+    /// Words of a node that begins with this one.
+    fn words_of(head: u32) -> usize {
+        1 + 2 * Self::planes_for(Self::count_of(head)) + Self::step_words(head)
+    }
+
+    /// The words of the node at a word of a pool, if it begins as one may.
+    fn checked_words(head: u32) -> Option<usize> {
+        let is_one = (1..=Self::MOST_DEPTHS).contains(&Self::count_of(head)) && Self::width_of(head) <= 2;
+        is_one.then(|| Self::words_of(head))
+    }
+
+    /// Depths of a node at most.
+    pub(super) const MOST_DEPTHS: usize = 64;
     const MOST_PLANES: usize = 7;
     /// Words of a node at most.
-    pub(super) const MOST_WORDS: usize = 1 + 2 * Self::MOST_PLANES + 64;
+    pub(super) const MOST_WORDS: usize = 1 + 2 * Self::MOST_PLANES + Self::MOST_DEPTHS;
+    /// The greatest first depth that there can be.
+    pub(super) const MOST_FIRST: u32 = (1 << DEPTH_BITS) - 1;
+
+    /// How many depths there are.
+    #[inline(always)]
+    #[must_use]
+    pub fn count(self) -> usize {
+        Self::count_of(self.head)
+    }
+
+    /// The depth of a turn below their number.
+    #[inline(always)]
+    #[must_use]
+    pub fn depth_of(self, turn: usize) -> u32 {
+        let first = self.head & ((1 << DEPTH_BITS) - 1);
+        let Some(place) = turn.checked_sub(1) else { return first };
+        let width = Self::width_of(self.head);
+        let bit = place << (3 + width);
+        first.wrapping_add(self.steps[bit >> 5] >> (bit & 31) & (u32::MAX >> (32 - (8 << width))))
+    }
 
     /// The depths.
     #[inline(always)]
-    #[must_use]
-    pub fn depths(self) -> &'a [u32] {
-        self.depths
+    pub fn depths(self) -> impl Iterator<Item = u32> + 'a {
+        (0..self.count()).map(move |turn| self.depth_of(turn))
     }
 
     /// The masks, two words each.
@@ -274,15 +348,36 @@ impl<'a> Turns<'a> {
     #[must_use]
     pub fn depth(self, [x, y]: [u32; 2]) -> Option<u32> {
         let (word, bit) = ((y >> 2 & 1) as usize, 8 * (y & 3) + (x & 7));
-        let turn = self.planes.iter().rev().fold(0, |turn, plane| (turn << 1) | (plane[word] >> bit & 1));
-        self.depths.get(turn as usize).copied()
+        let turn = self.planes.iter().rev().fold(0, |turn, plane| (turn << 1) | (plane[word] >> bit & 1)) as usize;
+        (turn < self.count()).then(|| self.depth_of(turn))
     }
 
     /// The texels that are lit in a slice: bit 8 y + x.
     #[inline(always)]
     #[must_use]
     pub fn lit(self, slice: u32) -> u64 {
-        self.not_before(self.depths.iter().take_while(|depth| **depth <= slice).count() as u32)
+        self.not_before(self.reached(slice))
+    }
+
+    /// How many depths lie at a slice or before.
+    #[inline(always)]
+    fn reached(self, slice: u32) -> u32 {
+        let Some(behind) = slice.checked_sub(self.depth_of(0)) else { return 0 };
+        match Self::width_of(self.head) {
+            0 => self.reached_steps::<8>(behind),
+            1 => self.reached_steps::<16>(behind),
+            _ => self.reached_steps::<32>(behind),
+        }
+    }
+
+    /// The same with differences of so many bits: the first depth, and differences that are no greater.
+    #[inline(always)]
+    fn reached_steps<const BITS: u32>(self, behind: u32) -> u32 {
+        let (most, in_word) = (u32::MAX >> (32 - BITS), 32 / BITS);
+        let of_word = |word: &u32| (0..in_word).map(|i| u32::from(word >> (i * BITS) & most <= behind)).sum::<u32>();
+        let unused = in_word * self.steps.len() as u32 + 1 - self.count() as u32;
+        // Unused bits are zero, which is no greater.
+        1 + self.steps.iter().map(of_word).sum::<u32>() - unused
     }
 
     /// The texels whose turn is one or a later one.
@@ -302,11 +397,19 @@ impl<'a> Turns<'a> {
         !before
     }
 
-    /// Whether depths rise, to less than a count of slices, and each is some texel's, and no turn is greater than there are.
+    /// Whether depths rise, to less than a count of slices, in no more bits than they need, and each is some texel's, and no turn is greater than
+    /// there are.
     fn is_valid(self, slices: u32) -> bool {
-        let rise = self.depths.is_sorted() && self.depths.last().is_some_and(|depth| *depth < slices);
+        let last = self.depth_of(self.count() - 1);
+        let rise = self.depths().is_sorted() && last < slices;
+        let mut again = [0; Self::MOST_WORDS];
+        let mut depths = [0; Self::MOST_DEPTHS];
+        depths.iter_mut().zip(self.depths()).for_each(|(place, depth)| *place = depth);
+        let (masks, all) = Self::lay_out(&mut again, &depths[..self.count()]);
+        let steps = 1 + masks.len();
+        let is_short = again[0] == self.head && again[steps..all] == *self.steps;
         let of = |turn: usize| self.not_before(turn as u32);
-        rise && (0..self.depths.len()).all(|i| of(i) != of(i + 1)) && of(self.depths.len() + 1) == 0
+        rise && is_short && (0..self.count()).all(|i| of(i) != of(i + 1)) && of(self.count() + 1) == 0
     }
 }
 
@@ -375,15 +478,14 @@ impl<'a> Check<'a> {
                 self.node(at, words.len())
             }
             Kind::Masks if level == MASK_LEVEL => {
-                let count = self.node_words(at, 1)?[0] as usize;
-                if !(1..=64).contains(&count) {
-                    return Err(FormatError::Malformed("a tile has an impossible number of masks"));
-                }
-                let words = self.node_words(at, Turns::words_for(count))?;
+                let head = self.node_words(at, 1)?[0];
+                let words = Turns::checked_words(head);
+                let words = words.ok_or(FormatError::Malformed("a tile has an impossible number of masks"))?;
+                let words = self.node_words(at, words)?;
                 if !Turns::read(words, 0).is_valid(1 << self.log2) {
                     return Err(FormatError::Malformed("a tile's masks are out of order"));
                 }
-                self.counts.masks += count as u64;
+                self.counts.masks += Turns::count_of(head) as u64;
                 self.node(at, words.len())
             }
             _ => self.value(root),
@@ -467,26 +569,40 @@ mod tests {
     /// Of one depth to 64: what the bits of turns say is what a mask for each depth says, and nodes that are not quite so are refused.
     #[test]
     fn turns_are_masks_of_lit_texels() {
+        const SLICES: u32 = 1 << 20;
         let mut state = 0x9e37_79b9_7f4a_7c15u64;
         let mut random = |below: u64| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 33) % below
         };
-        for count in (1..=64usize).cycle().take(640) {
+        for (round, count) in (1..=64usize).cycle().take(640).enumerate() {
+            // Differences of 8, 16 and 32 bits.
+            let step = [1, 7, 16_000][round % 3];
             // Each texel's turn, of which each but the last is some texel's.
             let turn_of: Vec<usize> =
                 (0..64).map(|i| if i < count { i } else { random(count as u64 + 1) as usize }).collect();
             let masks: Vec<(u32, u64)> = (0..count)
                 .map(|turn| {
                     let lit = (0..64).filter(|i| turn_of[*i] > turn).fold(0, |lit, i| lit | 1u64 << i);
-                    (7 * turn as u32 + 3, lit)
+                    (step * turn as u32 + 3, lit)
                 })
                 .collect();
             let mut words: Vec<u32> = Turns::to_words(masks.iter().copied()).collect();
-            assert_eq!(words.len(), Turns::words_for(count));
+            let last = step * (count as u32 - 1) + 3;
+            let bits = if last - 3 < 256 {
+                8
+            } else if last - 3 < 65_536 {
+                16
+            } else {
+                32
+            };
+            assert_eq!(Some(words.len()), Turns::checked_words(words[0]));
+            assert_eq!(words.len(), 1 + 2 * (count.ilog2() as usize + 1) + ((count - 1) * bits).div_ceil(32));
             let turns = Turns::read(&words, 0);
-            assert!(turns.is_valid(512) && !turns.is_valid(7 * (count as u32 - 1) + 3));
-            for slice in 0..460 {
+            assert!(turns.depths().eq(masks.iter().map(|(depth, _)| *depth)));
+            assert!(turns.is_valid(SLICES) && !turns.is_valid(last));
+            let about = |turn: u32| [step * turn + 2, step * turn + 3];
+            for slice in (0..count as u32).flat_map(about).chain([0, SLICES - 1]) {
                 let lit =
                     masks.iter().take_while(|(depth, _)| *depth <= slice).last().map_or(u64::MAX, |(_, lit)| *lit);
                 assert_eq!(turns.lit(slice), lit, "{count} depths, slice {slice}");
@@ -501,10 +617,26 @@ mod tests {
             for i in unused {
                 other[bit(i).0] |= bit(i).1;
             }
-            assert!(!Turns::read(&other, 0).is_valid(512), "{count} depths, none turns at the first");
-            let last = words.len() - count;
-            words[1..last].fill(u32::MAX);
-            assert!(!Turns::read(&words, 0).is_valid(512));
+            assert!(!Turns::read(&other, 0).is_valid(SLICES), "{count} depths, none turns at the first");
+            let masks_end = words.len() - turns.steps.len();
+            // More bits than differences need, and stray ones.
+            if bits < 32 {
+                let mut other = words[..masks_end].to_vec();
+                other[0] += 1 << (DEPTH_BITS + COUNT_BITS);
+                other.resize(Turns::words_of(other[0]), 0);
+                for (i, (depth, _)) in masks[1..].iter().enumerate() {
+                    other[masks_end + i * 2 * bits / 32] |= (depth - 3) << (i * 2 * bits % 32);
+                }
+                let wide = Turns::read(&other, 0);
+                assert!(wide.depths().eq(turns.depths()) && !wide.is_valid(SLICES), "{count} depths of {bits} bits");
+            }
+            if (count - 1) * bits % 32 != 0 {
+                let mut other = words.clone();
+                *other.last_mut().expect("a difference") |= 1 << 31;
+                assert!(!Turns::read(&other, 0).is_valid(SLICES), "a stray bit behind {count} depths");
+            }
+            words[1..masks_end].fill(u32::MAX);
+            assert!(!Turns::read(&words, 0).is_valid(SLICES));
         }
     }
 }

@@ -148,7 +148,7 @@ pub(crate) fn bounds_below(pool: &[u32], tile: u32, level: u32, corner: [u32; 2]
         }
         Kind::Masks => {
             let turns = Turns::read(pool, payload(tile));
-            let (first, last) = (turns.depths()[0], turns.depths()[turns.depths().len() - 1]);
+            let (first, last) = (turns.depth_of(0), turns.depth_of(turns.count() - 1));
             [first, if turns.lit(last) == 0 { last } else { spread.count() }]
         }
         _ => bounds(pool, tile, [corner, corner.map(|c| c + (1 << level) - 1)], spread),
