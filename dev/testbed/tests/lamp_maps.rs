@@ -147,7 +147,7 @@ fn kept_maps_are_those_drawn_anew() {
     let own = (0..scene.nodes.len()).min_by(order).expect("a node");
     for projection in PROJECTIONS {
         let [mut kept, mut anew] = [(); 2].map(|()| Stage::new(&gpu, scene.clone(), 6, 3));
-        let maps = LampMaps { projection, adaptive: false, ..LampMaps::default() };
+        let maps = LampMaps { projection, size: 256, adaptive: false, ..LampMaps::default() };
         let without = LampMaps { reuse: false, ..maps.clone() };
         let mut triangles = Vec::new();
         for step in 0..9 {
