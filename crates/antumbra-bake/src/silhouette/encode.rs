@@ -199,7 +199,7 @@ impl Moved<'_> {
                 let words = pair.to_words(planes.map(|(number, is_deep)| (self.forms[number], is_deep)));
                 self.nodes[at..at + 2].copy_from_slice(&words);
             }
-            Kind::Masks => self.counts.masks += Turns::read(&self.nodes, at).count() as u64,
+            Kind::Masks => self.counts.masks += Turns::read(self.nodes, at).count() as u64,
             Kind::Plane | Kind::Deep | Kind::Depth => {}
         }
         in_pool(tile, self.forms, self.begin)

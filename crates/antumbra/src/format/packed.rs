@@ -1,5 +1,5 @@
 //! The packed form of a [`silhouette`](super::silhouette) pool, for disk: the section `SILP` in the place of `SILH`. It unpacks in one
-//! pass to the pool's words, bit for bit, and takes a quarter to a third of their bytes.
+//! pass to the pool's words, bit for bit, and takes a sixth to a half of their bytes.
 //!
 //! ```text
 //! offset  size  contents
