@@ -127,9 +127,10 @@ impl Surface {
 
 /// Bits of a plane's slopes.
 const SLOPE_BITS: i32 = 30;
-/// Most bits behind the binary point of planes that count in slices, and of those that count in lattice steps.
-const MOST_SHIFT: [i32; 2] = [FRACTION_BITS as i32, MOST_LOCAL_SHIFT as i32];
+/// Most bits behind the binary point of planes that count in slices.
 pub(super) const FRACTION_BITS: u32 = 30;
+/// Those, and of planes that count in lattice steps.
+const MOST_SHIFT: [i32; 2] = [FRACTION_BITS as i32, MOST_LOCAL_SHIFT as i32];
 /// 1.5 * 2^52: doubles near it are whole numbers.
 pub(super) const ROUNDER: f64 = (3u64 << 51) as f64;
 /// Bits of a slice that a hair is.

@@ -211,7 +211,7 @@ struct Surfaces<'a> {
     fronts: ArrayVec<(u32, [Lanes; 2]), MOST_SIDES>,
     /// The first ones where rays leave: depths just before them.
     backs: ArrayVec<(u32, Lanes), MOST_SIDES>,
-    /// The first planes of which two may be right together: where they are right alone, and their depths.
+    /// The first planes of which two may be right together, none of them deep: where they are right alone, and their depths.
     single: ArrayVec<(Plane, u64, Lanes), MOST_SINGLE>,
 }
 
@@ -316,16 +316,16 @@ impl Surfaces<'_> {
     }
 }
 
-/// A form's values at a leaf's texels.
+/// A form's values at the texels of a leaf that begins at one.
 #[inline(always)]
-fn values(form: &Form, leaf: Leaf<'_>) -> [i64; 64] {
-    let corner = form.at([leaf.tile.x, leaf.tile.y]);
+fn values(form: &Form, first: [u32; 2]) -> [i64; 64] {
+    let corner = form.at(first);
     let [a, b] = [i64::from(form.a), i64::from(form.b)];
     let across: [i64; 8] = std::array::from_fn(|x| a * x as i64);
     let mut values = [0; 64];
     for (y, row) in (0..).zip(values.chunks_exact_mut(8)) {
-        let first = corner + b * y;
-        row.iter_mut().zip(&across).for_each(|(value, step)| *value = first + step);
+        let begin = corner + b * y;
+        row.iter_mut().zip(&across).for_each(|(value, step)| *value = begin + step);
     }
     values
 }
@@ -333,11 +333,11 @@ fn values(form: &Form, leaf: Leaf<'_>) -> [i64; 64] {
 /// Most bits of numbers that doubles hold whole, with one more for a sum's carry.
 const EXACT_BITS: u32 = 51;
 
-/// A plane's depths at a leaf's texels where slices are even, 0 to N: whole numbers in doubles, whose products by powers of two are exact.
+/// A plane's depths at the texels of a leaf that begins at one, where slices are even, 0 to N: whole numbers in doubles, whose products by powers of two are exact.
 /// `None` where they may be too great for that.
 #[inline(always)]
-fn even_depths_at(form: &Form, leaf: Leaf<'_>, slices: u32) -> Option<Lanes> {
-    let corner = form.at([leaf.tile.x, leaf.tile.y]);
+fn even_depths_at(form: &Form, first: [u32; 2], slices: u32) -> Option<Lanes> {
+    let corner = form.at(first);
     if corner.unsigned_abs() >> EXACT_BITS != 0 || form.shift > FRACTION_BITS {
         return None;
     }
@@ -349,9 +349,9 @@ fn even_depths_at(form: &Form, leaf: Leaf<'_>, slices: u32) -> Option<Lanes> {
     let down = 0.5 - 0.5 / (1u64 << FRACTION_BITS) as f64;
     let mut depths = [0; 64];
     for (y, row) in (0..8).zip(depths.chunks_exact_mut(8)) {
-        let first = corner + b * f64::from(y);
+        let begin = corner + b * f64::from(y);
         for (depth, step) in row.iter_mut().zip(&across) {
-            let value = first + step;
+            let value = begin + step;
             let value = if value > 0.0 { value } else { 0.0 };
             let value = if value < most { value } else { most };
             // Adding so much rounds to a whole number and leaves it in the low bits.
@@ -364,13 +364,13 @@ fn even_depths_at(form: &Form, leaf: Leaf<'_>, slices: u32) -> Option<Lanes> {
 /// A plane's depths at a leaf's texels, or a deep one's.
 #[inline(always)]
 pub(super) fn depths_at(form: &Form, leaf: Leaf<'_>, slices: &Slices, is_deep: bool) -> Lanes {
-    let spread = slices.spread();
+    let (spread, texel) = (slices.spread(), [leaf.tile.x, leaf.tile.y]);
     if let Spread::Even(count) = spread
-        && let Some(depths) = even_depths_at(form, leaf, count)
+        && let Some(depths) = even_depths_at(form, texel, count)
     {
         return depths;
     }
-    let values = values(form, leaf).map(|value| value >> form.shift);
+    let values = values(form, texel).map(|value| value >> form.shift);
     if matches!(spread, Spread::Even(_)) {
         return values.map(|value| spread.depth(value));
     }
@@ -447,6 +447,39 @@ pub(super) fn left_of(edge: Form, leaf: Leaf<'_>) -> u64 {
     match at_corners {
         [true, true, true, true] => u64::MAX,
         [false, false, false, false] => 0,
-        _ => mask_of(&values(&edge, leaf).map(|value| u8::from(value >= 0))),
+        _ => mask_of(&values(&edge, [leaf.tile.x, leaf.tile.y]).map(|value| u8::from(value >= 0))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In doubles as in whole numbers: at random, level and steep, whole and a hair beside it, before the first slice and behind the last.
+    #[test]
+    fn depths_in_doubles_are_those_of_whole_numbers() {
+        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+        let mut random = |below: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 20) % below
+        };
+        let mut in_doubles = 0;
+        for round in 0..20_000u32 {
+            let slices = 64 << random(15);
+            let shift = random(u64::from(FRACTION_BITS) + 1) as u32;
+            let mut slope = || (random(1 << 31) as i32).wrapping_sub(1 << 30) >> random(31);
+            let [a, b] = if round % 8 == 0 { [0, 0] } else { [slope(), slope()] };
+            let first = [random(1 << 17), random(1 << 17)].map(|c| 8 * c as u32);
+            // Near some slice at the first texel.
+            let at_first = ((random(u64::from(slices) + 40) as i64 - 20) << shift) + random(3) as i64 - 1;
+            let form = Form { a, b, c: at_first - Form { a, b, c: 0, shift }.at(first), shift };
+            let whole = values(&form, first).map(|value| Spread::Even(slices).depth(value >> shift));
+            let Some(depths) = even_depths_at(&form, first, slices) else { continue };
+            in_doubles += 1;
+            assert_eq!(depths, whole, "{form:?} at {first:?}, {slices} slices");
+        }
+        assert!(in_doubles > 15_000, "{in_doubles}");
+        let far = Form { a: 1, b: 1, c: 1 << EXACT_BITS, shift: 30 };
+        assert!(even_depths_at(&far, [0, 0], 1 << 20).is_none());
     }
 }
