@@ -1,6 +1,9 @@
 //! Whether a plane is right throughout a tile, where more is known of the tile than that.
 
+use std::hash::BuildHasher;
+
 use antumbra::format::silhouette::Form;
+use rustc_hash::FxBuildHasher;
 
 use super::form::{EdgeKey, Plane, Second, Surface, edge_form};
 use super::sketch::Set;
@@ -68,7 +71,7 @@ impl Forms<'_> {
     }
 }
 
-/// Shapes that are kept, a power of two.
+/// Shapes that are kept.
 const KEPT_SHAPES: usize = 64;
 
 /// Surfaces of which some are right throughout a part of a tile, and others may be. Kept from tile to tile, for its lists.
@@ -118,7 +121,7 @@ impl<'a> Candidates<'a> {
         let Self { forms, surfaces, over, shapes } = self;
         let (is_told @ None, over) = &mut over[number] else { return };
         let surface = surfaces[number];
-        let (kept, shape) = &mut shapes[surface.hash() as usize % KEPT_SHAPES];
+        let (kept, shape) = &mut shapes[FxBuildHasher.hash_one(surface) as usize % KEPT_SHAPES];
         if *kept != surface {
             (*kept, *shape) = (surface, forms.shape(surface));
         }

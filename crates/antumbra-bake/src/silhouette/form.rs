@@ -109,12 +109,6 @@ impl Surface {
         Self { first: a.max(b), second: a.min(b) }
     }
 
-    /// Spreads surfaces over places, by its low bits.
-    pub fn hash(self) -> u32 {
-        let mixed = (self.first.0 ^ self.second.0.rotate_left(16)).wrapping_mul(0x9e37_79b9);
-        mixed >> 16
-    }
-
     pub fn second(self) -> Second {
         match self.second {
             Self::NO_PLANE => Second::None,

@@ -333,8 +333,8 @@ fn values(form: &Form, first: [u32; 2]) -> [i64; 64] {
 /// Most bits of numbers that doubles hold whole, with one more for a sum's carry.
 const EXACT_BITS: u32 = 51;
 
-/// A plane's depths at the texels of a leaf that begins at one, where slices are even, 0 to N: whole numbers in doubles, whose products by powers of two are exact.
-/// `None` where they may be too great for that.
+/// A plane's depths at the texels of a leaf that begins at one, where slices are even, 0 to N: whole numbers in doubles, whose products by
+/// powers of two are exact. `None` where they may be too great for that.
 #[inline(always)]
 fn even_depths_at(form: &Form, first: [u32; 2], slices: u32) -> Option<Lanes> {
     let corner = form.at(first);
